@@ -148,7 +148,7 @@ fn bounds(layout: &Layout) -> String {
 fn moves(scene: &Scene) -> String {
     let Some(toolpath) = scene.toolpath else { return String::new() };
     // Any feed rate gives the same counts of moves.
-    let counts = measure(toolpath, FeedRate::DEFAULT_RAPID).counts;
+    let counts = measure(toolpath, FeedRate::DEFAULT_RAPID).moves;
     let mut words = format!("Moves: {} rapid, {} line, {} arc", counts.rapid, counts.line, counts.arc);
     if counts.parabola > 0 {
         words += &format!(", {} parabola", counts.parabola);

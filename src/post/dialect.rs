@@ -36,14 +36,17 @@ pub struct Dialect {
     pub syntax: Syntax,
 }
 
-/// What has read programs of a dialect besides the reader that checks each program.
+/// What has read programs of a dialect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = VerifiedBy))]
 pub enum Verification {
     /// The interpreter of the control itself.
     Interpreter,
-    /// The interpreter of another control, after words that it reads differently are translated.
+    /// The interpreter of another control, after words that it reads differently were translated.
     RelatedInterpreter,
-    /// Nothing but a reader that was written from published descriptions, apart from the writer.
+    /// A reader that was written from published descriptions, apart from the writer, and that checks each
+    /// program. No control was at hand.
     Reader,
     /// Nothing: the words are those of the family, as they are commonly described.
     Unverified,
@@ -137,6 +140,12 @@ impl FiveAxisWords {
         turns: Turns::InverseTime,
     };
 
+    /// All ways in which a program can state the tool axis.
+    pub fn outputs(self) -> impl Iterator<Item = AxisOutput> {
+        let all = [AxisOutput::Angles, AxisOutput::Vectors, AxisOutput::Rails, AxisOutput::Machine];
+        all.into_iter().filter(move |&output| self.write(output))
+    }
+
     /// Whether a program can state the tool axis in this way.
     pub fn write(&self, output: AxisOutput) -> bool {
         match output {
@@ -150,15 +159,18 @@ impl FiveAxisWords {
 
 /// How a program states the tool axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
 pub enum AxisOutput {
-    /// The tip and the angles of the rotary axes; the control keeps the tip on its line.
+    /// The tip and the angles of the rotary axes (Fanuc: G43.4, Siemens: TRAORI, Heidenhain: TCPM). The
+    /// control keeps the tip on its line.
     Angles,
-    /// The tip and the vector of the tool axis.
+    /// The tip and the vector of the tool axis (Fanuc: G43.5, Siemens: A3 B3 C3, Heidenhain: LN).
     Vectors,
-    /// The tip and the vector of the tool axis, and polynomials of the tip and of a second point where the
-    /// toolpath has them.
+    /// As `vectors`, and polynomials of the tip and of a second point where the toolpath has them (Siemens:
+    /// ORICURVE, POLY).
     Rails,
-    /// The positions of all five axes of the machine.
+    /// The positions of all five axes of the machine, with the time of each block (G93).
     Machine,
 }
 

@@ -79,34 +79,42 @@ pub struct RewriteJob {
     pub fit: Fit,
 }
 
-/// Counts of the work so far.
+/// What changed in an NC program.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = ProgramReport))]
 pub struct Figures {
+    /// Number of runs of G1 blocks that were replaced.
     pub n_runs: u64,
-    /// Blocks of runs, each with one end point.
+    /// Number of points in these runs: the ends of the G1 blocks.
     pub n_points: u64,
+    /// Number of arcs and helices in these runs after the rewriting.
     pub n_arcs: u64,
-    /// Lines in runs that were written or kept.
+    /// Number of straight moves in these runs after the rewriting.
     pub n_lines: u64,
-    /// Upper bound for the distance between the written curves and the lines they replace, mm, both ways.
+    /// Proved largest distance between the new blocks and the straight moves that they replace, in mm,
+    /// measured from each to the other. Because coordinates are rounded, the radii at the start and at the
+    /// end of an arc differ slightly; the bound holds for every radius between the two that the control may
+    /// use.
     pub deviation_max_mm: f64,
-    /// Lines of the program that move an axis.
+    /// Number of blocks of the program that move an axis.
     pub n_motions: u64,
-    /// Cutting lines that no run could take, by reason.
+    /// How many cutting blocks were left as they were, by reason.
     pub left_alone: LeftAlone,
+    /// Length of the program as sent, in bytes.
     pub bytes_in: u64,
+    /// Length of the program as answered, in bytes.
     pub bytes_out: u64,
 }
 
-/// How many cutting lines were left as they are, by reason.
+/// How many cutting blocks were left as they were, by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema))]
 pub struct LeftAlone {
-    /// Variables, expressions, and unknown words.
+    /// Number of blocks with variables, expressions, or words that the service does not understand.
     pub macros: u64,
-    /// Axes beside X, Y and Z.
+    /// Number of blocks that move axes other than X, Y and Z.
     pub other_axes: u64,
-    /// Cutter compensation or another modifier, absolute centres without a known position, feeds per turn, or
-    /// an unknown mode.
+    /// Number of blocks under cutter compensation, absolute centres, inverse time feed, or an unknown mode.
     pub modes: u64,
 }
 

@@ -6,7 +6,6 @@
 //! [`App`], which holds what they need; `v1` with the handlers; `openapi`. This module puts them together.
 
 mod answer;
-mod answer_point;
 mod app;
 mod byte_limit;
 pub mod compute;

@@ -140,32 +140,45 @@ pub enum Shapes {
     ArcsAndLines,
 }
 
+/// How elements are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = ArcFitMethod))]
 pub enum Method {
-    Greedy,
-    Biarc,
+    /// The fewest elements.
     #[default]
     Optimal,
+    /// Each element is as long as possible.
+    Greedy,
+    /// Two arcs through each pair of neighbouring points.
+    Biarc,
 }
 
+/// How neighbouring elements meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = ArcFitContinuity))]
 pub enum Continuity {
     #[default]
     Position,
     Tangent,
 }
 
-/// Where elements may meet.
+/// Where elements meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = ArcFitJoints))]
 pub enum Joints {
-    OnPoints,
     /// Also beside the points, within the tolerance, if that saves elements.
     #[default]
     Free,
+    OnPoints,
 }
 
-/// What the points represent, and so what the tolerance applies to.
+/// What the tolerance holds for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = ArcFitMeasure))]
 pub enum Measure {
     /// Samples of a smooth curve: the points are within the tolerance of the elements.
     #[default]

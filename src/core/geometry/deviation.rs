@@ -60,8 +60,10 @@ const CELLS_BETWEEN_CHECKS: usize = 64;
 const BREAKS_TO_PROBE: usize = 4;
 const PROBES: u32 = 9;
 
-/// How a deviation is measured.
+/// How the distance from the curve is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = BandMeasure))]
 pub enum Measure {
     /// Along the normal of the element.
     #[default]

@@ -3,13 +3,17 @@
 
 use nalgebra::{Point3, Vector3};
 
-/// A coordinate plane, named in the order that makes (first, second, normal) right-handed: `Zx` has the first
-/// axis z, the second axis x and the normal +y. Counterclockwise is as seen from the positive side of the
-/// normal, like G3 in G17, G18 and G19.
+/// The plane of an arc: `xy` (G17), `zx` (G18) or `yz` (G19).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"), schema(as = ArcPlane))]
 pub enum Plane {
+    /// The first axis is x, the second y and the normal z: right-handed in this order, as in all three. Arcs
+    /// are counterclockwise as seen from the positive side of the normal.
     Xy,
+    /// The first axis is z, the second x and the normal y.
     Zx,
+    /// The first axis is y, the second z and the normal x.
     Yz,
 }
 

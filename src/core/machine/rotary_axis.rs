@@ -6,14 +6,16 @@ use nalgebra::{Point3, UnitVector3, Vector3};
 
 use super::scalar::{Scalar, add, constant, rotate, subtract};
 
-/// What the two rotary axes carry.
+/// Which of the two rotary axes carry the workpiece, and which the tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"), schema(as = MachineKind))]
 pub enum Kind {
-    /// Both carry the workpiece.
+    /// Both carry the workpiece. The first one carries the second one.
     TableTable,
-    /// The first carries the tool, the second the workpiece.
+    /// The first one carries the tool, the second one the workpiece.
     HeadTable,
-    /// Both carry the tool.
+    /// Both carry the tool. The first one carries the second one.
     HeadHead,
 }
 

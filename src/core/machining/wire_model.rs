@@ -32,12 +32,18 @@ use crate::geometry::surface::{BezierSurface, Patch, Surface, span_of};
 /// A curve through points, mm.
 pub type Wire = Vec<Point3<f64>>;
 
-/// The parameter or the axis along which wires run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What wires run along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = WireDirection))]
 pub enum Along {
+    /// A parameter of the surface.
+    #[default]
     U,
     V,
+    /// At constant y.
     X,
+    /// At constant x.
     Y,
 }
 

@@ -75,21 +75,31 @@ impl Job {
     }
 }
 
+/// What the elements are like, with the proved distances.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = FitReport))]
 pub struct Report {
+    /// Number of points, coincident neighbours counted once.
     pub n_points: usize,
+    /// Number of arcs.
     pub n_arcs: usize,
+    /// Number of lines.
     pub n_lines: usize,
-    /// The deviation by the measure of the job, mm.
+    /// Largest distance of the points from the elements, in mm. With `measure: polyline` the largest distance
+    /// between the elements and the lines between the points, measured from each to the other.
     pub deviation_max_mm: f64,
-    /// Proved bound for the deviation of the program at its decimals, mm.
+    /// Proved upper bound of `deviation_max_mm` for the elements as the program has them, rounded to its
+    /// decimals, in mm.
     pub deviation_written_max_mm: f64,
-    /// The largest angle between neighbouring curves, degrees.
+    /// Largest angle at which neighbouring elements meet, in degrees.
     pub kink_max_deg: f64,
-    /// The number of joints at which curves meet at an angle.
+    /// Number of joints with an angle above 0.01 degrees. With `continuity: tangent` these are the real
+    /// corners.
     pub n_kinks: usize,
+    /// Length of the elements, in mm.
     pub length_mm: f64,
-    /// `None` without a feed.
+    /// Length divided by the feed, in s. Absent without `cutting`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
     pub cutting_time_s: Option<f64>,
 }
 

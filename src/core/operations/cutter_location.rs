@@ -48,6 +48,34 @@ pub struct Location {
     pub gap_mm: f64,
 }
 
+/// Where the cutter touches.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = DropReport))]
+pub struct Report {
+    /// For each point the position of the cutter's tip, in mm, when the cutter, lowered from above, first
+    /// touches the surface. `null` where the cutter misses the surface.
+    #[cfg_attr(feature = "wire", schema(value_type = crate::wire::Places))]
+    pub tips: Vec<Option<Point3<f64>>>,
+    /// For each point a place where the cutter then touches the surface, in mm. `null` where the cutter
+    /// misses the surface.
+    #[cfg_attr(feature = "wire", schema(value_type = crate::wire::Places))]
+    pub contacts: Vec<Option<Point3<f64>>>,
+    /// Proved bound of how far a tip is below its exact height, in mm. No tip is above its exact height.
+    /// Floating-point rounding is not included in either statement.
+    pub gap_max_mm: f64,
+}
+
+impl Report {
+    pub fn new(locations: &[Option<Location>]) -> Self {
+        let all = || locations.iter();
+        Self {
+            tips: all().map(|at| at.map(|location| location.tip)).collect(),
+            contacts: all().map(|at| at.map(|location| location.contact)).collect(),
+            gap_max_mm: all().flatten().map(|location| location.gap_mm).fold(0.0, f64::max),
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Error {
     #[error(transparent)]

@@ -58,7 +58,7 @@ use crate::toolpath::{PathError, Toolpath};
 use deviation::Deviation;
 pub use drive::MotionLimits;
 use drive::{Drive, DrivenSample};
-pub use motion::Peak;
+pub use motion::Peaks;
 use motion::{ConstantFeed, peaks};
 pub use moves::CHORDS;
 use moves::CHORDS_AT_CORNERS;
@@ -70,17 +70,20 @@ use stations::{follow, pose};
 /// The part of the tolerance of the cut that turns of the axis may use.
 const SHARE_OF_AXIS: f64 = 0.25;
 
-/// How rails are made.
+/// A way to smooth a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = SmoothMethod))]
 pub enum Method {
-    /// Rails through all poses, with blends at corners.
+    /// Splines through all poses with two continuous derivatives, and blends at corners.
     #[default]
     Interpolating,
-    /// Rails of few spans and least jerk inside the tolerance, with blends at corners.
+    /// Splines of few pieces and of the least jerk within the tolerances, with four continuous derivatives,
+    /// and blends at corners. For data with noise, and for rounded data.
     Tube,
-    /// The method of the paper, as printed but for its misprints.
+    /// The method of Ahn and Jee, as printed but for its misprints. It may leave the tolerances.
     Paper,
-    /// The blocks as they are.
+    /// The given path, with a stop at every pose.
     Linear,
 }
 
@@ -146,74 +149,109 @@ pub struct Plan {
 /// Something to know before the motion runs, which does not stop the job.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Warning {
-    /// The method leaves the tolerances: bounds of the deviation of tip and axis.
-    ToleranceExceeded { deviation_mm: f64, deviation_axis: f64 },
+    /// The method leaves the tolerances: bounds of the deviation of tip and axis, in mm and in degrees.
+    ToleranceExceeded { deviation_mm: f64, deviation_deg: f64 },
     /// At this pole of the machine the limits of the axes are checked, but not proved.
     LimitsNotProved { at: Point3<f64> },
     /// A written program may leave the tolerance.
     RoundingExceedsTolerance { deviation_mm: f64 },
 }
 
+/// What was found about the smooth path.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = SmoothReport))]
 pub struct Report {
-    /// Poses without those that repeat the one before.
+    /// Number of poses without those that repeat the pose before.
     pub n_poses: usize,
+    /// Number of polynomials that make up the path.
     pub n_spans: usize,
-    /// Corners that are blended.
+    /// Number of corners that are rounded by a blend.
     pub n_blends: usize,
-    /// Places inside the path where the motion stops.
+    /// Number of places inside the path where the motion stops: reversals, rotations about a resting tip, and
+    /// corners at which no blend keeps the tolerances.
     pub n_stops: usize,
-    /// Bounds of the deviation of tip and axis; whether both are within their tolerances.
-    pub deviation_mm: f64,
-    pub deviation_axis: f64,
-    pub is_within_tolerance: bool,
-    /// Bounds of the deviation of the moves of the toolpath.
-    pub moves_deviation_mm: f64,
-    pub moves_deviation_axis: f64,
-    /// Bound of how far the cut is moved, where `Job::swing_mm` is given.
-    pub cut_deviation_mm: Option<f64>,
-    /// The number of continuous derivatives between stops.
-    pub continuity: usize,
+    /// Proved bound of the distance between the smooth path of the tip and the given path, in mm. For
+    /// `method: paper` from the smooth path to the given path only.
+    pub deviation_max_mm: f64,
+    /// Proved bound of the angle between the axis of the smooth path and the axis of the given path at the
+    /// nearest place, in degrees.
+    pub deviation_max_deg: f64,
+    /// Whether both bounds are within the tolerances. Always `true` except for `method: paper`.
+    pub within_tolerance: bool,
+    /// Proved bound of the distance between the moves of `toolpath` and the given path, in mm, before the
+    /// program's decimals round them.
+    pub toolpath_deviation_max_mm: f64,
+    /// Proved bound of the angle between the axis of the moves and the axis of the given path at the nearest
+    /// place, in degrees.
+    pub toolpath_deviation_max_deg: f64,
+    /// Proved bound of the distance between the surface that the tool cuts along `toolpath` and the surface
+    /// that it cuts along the given path, in mm. It is `toolpath_deviation_max_mm`, plus the angle
+    /// `toolpath_deviation_max_deg` in radians times the distance from the tip to the centre of the tool's
+    /// rounded corner. Absent without `tool`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub cut_deviation_max_mm: Option<f64>,
+    /// Which derivatives by the parameter are continuous between stops: `C0` none, `C2` the first and the
+    /// second.
+    pub continuity: Continuity,
+    /// Length of the path of the tip, in mm.
     pub length_mm: f64,
+    /// Duration of the motion, in s: the time of the last sample. Without `limits` at the feed everywhere,
+    /// without ramps.
     pub cycle_time_s: f64,
-    /// None without limits.
-    pub limits_proof: Option<LimitsProof>,
-    /// Of the tip, by differences of the samples: mm/s, mm/s2 and mm/s3.
-    pub speed: Peak,
-    pub acceleration: Peak,
-    pub jerk: Peak,
-    /// The largest speed, acceleration and jerk of each axis of the machine, by differences of the samples:
-    /// mm or radians by s, s2 and s3.
-    pub axis_peaks: Vec<(char, [f64; 3])>,
+    /// Whether every limit is proved to be kept at every time of the motion. `false` only where the tool axis
+    /// passes a pole of the machine. Absent without `limits`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub limits_proved: Option<bool>,
+    /// Speed of the tip, in mm/s, by differences of the samples.
+    pub speed: Peaks,
+    /// Acceleration of the tip, in mm/s2, by second differences of the samples.
+    pub acceleration: Peaks,
+    /// Jerk of the tip, in mm/s3, by third differences of the samples.
+    pub jerk: Peaks,
+    /// The largest figures of each axis of the machine, by differences of the samples. Absent without
+    /// `machine`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Vec::is_empty"), schema(required = false))]
+    pub axis_peaks: Vec<AxisPeaks>,
 }
 
 impl Report {
-    fn warnings(&self) -> Vec<Warning> {
-        let &Self { deviation_mm, deviation_axis, .. } = self;
-        let exceeded = Warning::ToleranceExceeded { deviation_mm, deviation_axis };
-        let gap = match self.limits_proof {
-            Some(LimitsProof::GapAt(at)) => Some(Warning::LimitsNotProved { at }),
-            _ => None,
-        };
-        (!self.is_within_tolerance).then_some(exceeded).into_iter().chain(gap).collect()
+    fn warnings(&self, limits_unproved_at: Option<Point3<f64>>) -> Vec<Warning> {
+        let &Self { deviation_max_mm: deviation_mm, deviation_max_deg: deviation_deg, .. } = self;
+        let exceeded = Warning::ToleranceExceeded { deviation_mm, deviation_deg };
+        let unproved = limits_unproved_at.map(|at| Warning::LimitsNotProved { at });
+        (!self.within_tolerance).then_some(exceeded).into_iter().chain(unproved).collect()
     }
 
     /// The warning that rounding, and straying between blocks, may take the program of `job` out of the
     /// tolerance.
     pub fn warning_of_program(&self, job: &Job) -> Option<Warning> {
-        let deviation_mm = self.cut_deviation_mm.unwrap_or(self.moves_deviation_mm) + job.rounding_mm;
-        let is_beyond = self.is_within_tolerance && deviation_mm > job.tolerance_mm;
+        let deviation_mm =
+            self.cut_deviation_max_mm.unwrap_or(self.toolpath_deviation_max_mm) + job.rounding_mm;
+        let is_beyond = self.within_tolerance && deviation_mm > job.tolerance_mm;
         is_beyond.then_some(Warning::RoundingExceedsTolerance { deviation_mm })
     }
 }
 
-/// Whether the motion keeps its limits at every time.
+/// The largest figures of one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LimitsProof {
-    Complete,
-    /// At a pole of the machine rotary axes turn without bound. Around the first such place limits are
-    /// checked at single times only.
-    GapAt(Point3<f64>),
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema))]
+pub struct AxisPeaks {
+    /// The letter of the axis.
+    pub axis: char,
+    /// Largest speed, in mm/s, or in degrees by s for a rotary axis.
+    pub speed: f64,
+    /// Largest acceleration, in mm/s2, or in degrees by s2 for a rotary axis.
+    pub acceleration: f64,
+    /// Largest jerk, in mm/s3, or in degrees by s3 for a rotary axis.
+    pub jerk: f64,
+}
+
+/// How smooth a path is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema))]
+pub enum Continuity {
+    C0,
+    C2,
 }
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -245,7 +283,7 @@ struct Rails {
     rail: Rail,
     deviation: Deviation,
     n_blends: usize,
-    continuity: usize,
+    continuity: Continuity,
 }
 
 /// Smooths the path.
@@ -276,25 +314,25 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
         n_spans: rails.rail.spans().count(),
         n_blends: rails.n_blends,
         n_stops: rails.rail.pieces.len() - 1,
-        deviation_mm: rails.deviation.tip_mm,
-        deviation_axis: rails.deviation.axis,
-        is_within_tolerance: rails.deviation.of(job.tolerance()) <= 1.0,
-        moves_deviation_mm: moves.deviation.tip_mm,
-        moves_deviation_axis: moves.deviation.axis,
-        cut_deviation_mm: (job.swing_mm > 0.0)
+        deviation_max_mm: rails.deviation.tip_mm,
+        deviation_max_deg: rails.deviation.axis.to_degrees(),
+        within_tolerance: rails.deviation.of(job.tolerance()) <= 1.0,
+        toolpath_deviation_max_mm: moves.deviation.tip_mm,
+        toolpath_deviation_max_deg: moves.deviation.axis.to_degrees(),
+        cut_deviation_max_mm: (job.swing_mm > 0.0)
             .then_some(moves.deviation.tip_mm + job.swing_mm * moves.deviation.axis),
         continuity: rails.continuity,
         length_mm: motion.length_mm(),
         cycle_time_s,
-        limits_proof: drive
-            .as_ref()
-            .map(|drive| drive.gap().map_or(LimitsProof::Complete, LimitsProof::GapAt)),
+        limits_proved: drive.as_ref().map(|drive| drive.gap().is_none()),
         speed,
         acceleration,
         jerk,
         axis_peaks: axis_peaks(job, even),
     };
-    Ok(Plan { warnings: report.warnings(), report, samples, toolpath: moves.toolpath })
+    let limits_unproved_at = drive.as_ref().and_then(Drive::gap);
+    let warnings = report.warnings(limits_unproved_at);
+    Ok(Plan { warnings, report, samples, toolpath: moves.toolpath })
 }
 
 /// The rails of all sections one after the other. A rapid is a line of its own.
@@ -304,7 +342,8 @@ fn rails(job: &Job, path: &Path, budget: &Budget) -> Result<Rails, FiveAxisError
         tip_mm: job.rounding_mm + chords * tolerance.tip_mm,
         axis: chords * tolerance.axis,
     };
-    let mut all = Rails { rail: Rail::default(), deviation: Deviation::NONE, n_blends: 0, continuity: 2 };
+    let mut all =
+        Rails { rail: Rail::default(), deviation: Deviation::NONE, n_blends: 0, continuity: Continuity::C2 };
     for section in path.sections() {
         let stations = &path.stations[section.start..=section.end];
         let is_rapid = path.paces[section.start] == Pace::Rapid;
@@ -372,13 +411,15 @@ fn at_feed(job: &Job, motion: &ConstantFeed, budget: &Budget) -> Result<Vec<Time
     Ok((0..samples.len()).map(timed).collect())
 }
 
-fn axis_peaks(job: &Job, even: &[TimedPose]) -> Vec<(char, [f64; 3])> {
+fn axis_peaks(job: &Job, even: &[TimedPose]) -> Vec<AxisPeaks> {
     let Some(machine) = &job.machine else { return Vec::new() };
     let position = |joints: Joints, k: usize| if k < 3 { joints.linear_mm[k] } else { joints.rotary[k - 3] };
-    let of = |(k, name): (usize, char)| {
+    let of = |(k, axis): (usize, char)| {
+        let unit = if k < 3 { 1.0 } else { 1.0_f64.to_degrees() };
         let along = even.iter().filter_map(|sample| sample.joints);
         let row: Vec<Vector3<f64>> = along.map(|joints| Vector3::x() * position(joints, k)).collect();
-        (name, peaks(&row, job.period_s).map(|peak| peak.max))
+        let [speed, acceleration, jerk] = peaks(&row, job.period_s).map(|peaks| peaks.max * unit);
+        AxisPeaks { axis, speed, acceleration, jerk }
     };
     machine.axis_names().into_iter().enumerate().map(of).collect()
 }

@@ -63,33 +63,69 @@ pub use source::{AnyCurve, SourceError};
 /// bisection.
 const MOST_BOUNDED: usize = 10_000;
 
-/// One element as it is reported.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReportedElement {
-    pub element: Element,
-    /// The index of its initial element, from 0.
-    pub initial_element: usize,
-    /// The range of the curve's parameter, x for a graph.
-    pub domain: [f64; 2],
-    pub spread: Spread,
+/// The shape of an element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"), schema(as = ElementShape))]
+pub enum Shape {
+    Line,
+    Parabola,
+    Arc,
 }
 
+impl From<&Element> for Shape {
+    fn from(element: &Element) -> Self {
+        match element {
+            Element::Segment(Segment::Line { .. }) => Self::Line,
+            Element::Segment(Segment::Arc(_)) => Self::Arc,
+            Element::Parabola { .. } => Self::Parabola,
+        }
+    }
+}
+
+/// One element of the interpolation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = InterpolatedElement))]
+pub struct ReportedElement {
+    #[cfg_attr(feature = "wire", serde(skip), schema(ignore))]
+    pub element: Element,
+    /// The shape of the element.
+    pub shape: Shape,
+    /// Number of the initial part of the curve to which the element belongs, counted from 1.
+    pub initial_element: usize,
+    /// Where on the curve the element begins and ends: x in mm for a graph, else the curve's parameter, a
+    /// plain number.
+    pub domain: [f64; 2],
+    /// Proved largest distance of the element from the curve, in mm, by the `measure` of the band.
+    pub deviation_mm: f64,
+}
+
+/// What the elements are like, with the proved distances.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = InterpolateReport))]
 pub struct Report {
-    pub elements: Vec<ReportedElement>,
-    pub elements_per_initial: Vec<usize>,
-    /// Any set of elements with the same method and kind of joints has at least this many. `None` if there
-    /// are too many elements to compute it.
+    /// Number of elements.
+    pub n_elements: usize,
+    /// Proved: any division of the curve with this `method` and these `joints` has at least this number of
+    /// elements. Absent where `bisection` makes more than 10,000 elements, and where the service finds no
+    /// bound.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
     pub n_elements_lower_bound: Option<usize>,
-    /// The length of all cutting moves, mm.
+    /// Number of elements in each initial part of the curve.
+    pub elements_per_initial: Vec<usize>,
+    /// Length of the cutting path, in mm.
     pub length_mm: f64,
-    /// `None` without a feed.
+    /// Length divided by the feed, in s. Absent without `cutting`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
     pub cutting_time_s: Option<f64>,
-    /// Proved bound for the deviation of all elements, mm.
+    /// Proved largest distance of an element from the curve, in mm, by the `measure` of the band.
     pub deviation_max_mm: f64,
-    /// Proved bound for the deviation of the program at its decimals, mm; `None` with compensation and by the
-    /// vertical measure.
+    /// Proved upper bound of `deviation_max_mm` for the elements as the program has them, rounded to its
+    /// decimals, in mm. Absent with `compensation: left` or `right`, and with `measure: vertical`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
     pub deviation_written_max_mm: Option<f64>,
+    /// The elements, in the order of the curve.
+    pub elements: Vec<ReportedElement>,
 }
 
 /// Something the caller should know that does not stop the job.
@@ -165,21 +201,21 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         AnyCurve::Graph(graph) => path::path(graph, &divided.elements, job, budget),
         AnyCurve::Piecewise(piecewise) => path::path(piecewise, &divided.elements, job, budget),
     }?;
-    let deviation_max_mm =
-        divided.elements.iter().map(|element| element.spread.largest_mm()).fold(0.0, f64::max);
+    let deviation_max_mm = divided.elements.iter().map(|element| element.deviation_mm).fold(0.0, f64::max);
     let widest = job.band.below_mm.max(job.band.above_mm);
     let mut warnings = path.warnings;
     if let Some(deviation_mm) = path.deviation_written_mm.filter(|mm| *mm > widest) {
         warnings.push(Warning::RoundingLeavesBand { deviation_mm });
     }
     let report = Report {
-        elements: divided.elements,
-        elements_per_initial: divided.per_initial,
+        n_elements: divided.elements.len(),
         n_elements_lower_bound: divided.lower_bound,
+        elements_per_initial: divided.per_initial,
         length_mm: path.length_mm,
         cutting_time_s: path.cutting_time_s,
         deviation_max_mm,
         deviation_written_max_mm: path.deviation_written_mm,
+        elements: divided.elements,
     };
     Ok(Plan { curve, toolpath: path.toolpath, report, cutting: path.cutting, warnings })
 }
@@ -229,9 +265,10 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
         divided.per_initial.push(fitted.len());
         divided.elements.extend(fitted.iter().map(|fitted| ReportedElement {
             element: fitted.element,
-            initial_element,
+            shape: (&fitted.element).into(),
+            initial_element: initial_element + 1,
             domain: fitted.range,
-            spread: fitted.spread,
+            deviation_mm: fitted.spread.largest_mm(),
         }));
     }
     divided.lower_bound = match job.subdivision {

@@ -78,14 +78,15 @@ pub use job::{ChooseBy, Emptied, EntryLimits, IslandsBy, Job, Milling, Outlines,
 pub use labelling::MOST_CELLS;
 pub use level::{Island, MOST_LEVELS, MOST_RADII, Uncut};
 use level::{Level, Shape, levels};
-use report::Times;
-pub use report::{Candidate, LevelReport, Report};
+pub use report::{Candidate, LevelOutlines, LevelReport, Report};
 
 /// A planned pocket.
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub toolpath: Toolpath,
     pub report: Report,
+    /// Of each level of the report.
+    pub outlines: Vec<LevelOutlines>,
     pub cutting: Cutting,
     pub warnings: Vec<Warning>,
 }
@@ -144,7 +145,7 @@ pub enum PocketError {
     #[error("the pocket needs more than {limit} {what}")]
     TooMuchWork { what: &'static str, limit: usize },
     #[error("no pattern passes the check; the first one fails because {because}")]
-    NoneValid { because: Invalid },
+    NoneValid { because: String },
 }
 
 impl From<RegionError> for PocketError {
@@ -175,12 +176,14 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
         Toolpath::builder(Point3::new(at.x, at.y, cutting.clearance_z_mm)).with_limit(job.move_limit)
     };
     let mut builder = begin(Point2::origin());
-    let mut report = Report::default();
+    let (mut report, mut outlines) = (Report::default(), Vec::with_capacity(levels.len()));
     let mut is_begun = false;
     for (k, (level, conditions)) in levels.iter().zip(&conditions).enumerate() {
         let shape = &shapes[level.shape];
         let (candidates, chosen) = choose(job, &found[level.shape], conditions, budget)?;
-        report.levels.push(LevelReport::new(shape, level, conditions, chosen, candidates, budget)?);
+        let level = LevelReport::new(shape, level, conditions, chosen, candidates, budget)?;
+        report.levels.push(level.0);
+        outlines.push(level.1);
         let Some((_, route)) = chosen else { continue };
         if let Some(run) = route.runs.first()
             && !std::mem::replace(&mut is_begun, true)
@@ -196,7 +199,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
     let toolpath = builder.finish()?;
     report.finish(&toolpath, &shapes, &levels, &heights, job, &cutting)?;
     let warnings = warnings(job, &report);
-    Ok(Plan { toolpath, report, cutting, warnings })
+    Ok(Plan { toolpath, report, outlines, cutting, warnings })
 }
 
 /// The routes of one pattern, or why it has none.
@@ -244,7 +247,7 @@ fn choose<'a>(
         let routes = match routes {
             Ok(routes) => routes,
             Err(error) => {
-                candidates.push(Candidate::failed(*pattern, error.clone()));
+                candidates.push(Candidate::failed(*pattern, error.to_string()));
                 failure.get_or_insert_with(|| error.clone());
                 continue;
             }
@@ -253,28 +256,27 @@ fn choose<'a>(
         let mut too_long = None;
         for route in routes {
             budget.check()?;
-            let times = match Times::of(route, conditions, job.move_limit) {
+            let candidate = match Candidate::new(*pattern, route, conditions, job.move_limit) {
                 Err(error @ PocketError::Path(PathError::TooManyMoves { .. })) => {
                     too_long = Some(error);
                     continue;
                 }
-                times => times?,
+                candidate => candidate?,
             };
-            let figure = times.figure(job.choose_by);
-            let candidate = Candidate::new(*pattern, route, &times);
+            let figure = candidate.figure(job.choose_by);
             let is_better = |(least, other, _): &(f64, Candidate, &Route)| {
-                (candidate.is_valid(), -figure) > (other.is_valid(), -*least)
+                (candidate.valid, -figure) > (other.valid, -*least)
             };
             if fastest.as_ref().is_none_or(is_better) {
                 fastest = Some((figure, candidate, route));
             }
         }
         if let (None, Some(error)) = (&fastest, too_long) {
-            candidates.push(Candidate::failed(*pattern, error.clone()));
+            candidates.push(Candidate::failed(*pattern, error.to_string()));
             failure.get_or_insert(error);
         }
         let Some((figure, candidate, route)) = fastest else { continue };
-        if candidate.is_valid() && best.is_none_or(|(least, ..)| figure < least) {
+        if candidate.valid && best.is_none_or(|(least, ..)| figure < least) {
             best = Some((figure, *pattern, route));
         }
         candidates.push(candidate);

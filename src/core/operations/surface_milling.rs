@@ -69,27 +69,41 @@ const CERTIFICATE_GAP: f64 = 0.02;
 
 const TOP_ACCURACY_MM: f64 = 1e-6;
 
+/// What the passes are like, with the proved distances.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = MillReport))]
 pub struct Report {
+    /// Number of passes.
     pub n_passes: usize,
+    /// Number of CL points.
     pub n_cl_points: usize,
-    /// Distance of neighbouring planes, mm.
+    /// Distance of neighbouring planes or wires as cut, in mm.
     pub stepover_mm: f64,
-    /// Proved distance between the path as written and the exact CL curves, mm.
+    /// Proved largest distance between the exact path and the written path, in mm, measured from each to the
+    /// other.
     pub deviation_max_mm: f64,
-    /// Proved depth of the deepest penetration of the cutter into the surface, mm; zero or more.
+    /// Proved largest depth to which the cutter cuts into the finished surface, in mm.
     pub gouge_max_mm: f64,
-    /// Where the deepest penetration was found; `None` if no penetration was found.
+    /// Where the deepest cut into the surface was found, in mm. `null` where no cut was found; `gouge_max_mm`
+    /// may be above 0 nevertheless, because it is a bound.
+    #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
     pub gouge_at: Option<Point3<f64>>,
-    /// The thickest rest found where the cutter cannot reach the surface, mm along the normal, at sampled
-    /// places; `None` if the job does not look for rest.
+    /// Largest thickness found of the material that the cutter cannot reach at concave places, in mm along
+    /// the normal of the surface. The value is the largest of some thousand samples, not a bound. `null` with
+    /// `engine: offset_section`, which refuses such surfaces, and with `wire_union`.
     pub rest_sampled_max_mm: Option<f64>,
-    /// The surface point with that rest; `None` without rest.
+    /// Where `rest_sampled_max_mm` was found, in mm. `null` where no such material was found.
+    #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
     pub rest_at: Option<Point3<f64>>,
-    /// Proved height of the scallops, mm along the surface normal; `None` if it is not proved or if the
-    /// passes are too far apart to meet.
+    /// Proved largest height of the material left between passes, in mm along the normal of the surface; the
+    /// deviation of the passes is not included. The bound does not cover places beside an edge of the surface
+    /// from which the way along the surface to the next pass leads beyond the edge. `null` where the cuts of
+    /// neighbouring passes do not overlap everywhere, where the cutter is no ball or cannot follow the
+    /// surface everywhere, and with `wire_union`.
     pub scallop_max_mm: Option<f64>,
+    /// Number of arcs.
     pub n_arcs: usize,
+    /// Number of lines.
     pub n_lines: usize,
 }
 

@@ -18,7 +18,10 @@ const RETRACT_ABOVE_TOP_MM: f64 = 2.0;
 /// rounding.
 const TOP_ACCURACY_MM: f64 = 1e-6;
 
+/// The coolant of a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
 pub enum Coolant {
     #[default]
     Off,

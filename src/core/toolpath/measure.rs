@@ -11,45 +11,81 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::cutting::Cutting;
+use super::motion_time::motion_time;
 use super::path::{Move, Toolpath};
-use super::units::FeedRate;
+use super::units::{Acceleration, FeedRate};
 use crate::geometry::curve::Curve;
 
-/// How many moves there are of each kind.
+/// How many moves of each kind a toolpath has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema))]
 pub struct MoveCounts {
+    /// Number of rapids.
     pub rapid: usize,
+    /// Number of lines at feed.
     pub line: usize,
+    /// Number of arcs and helices.
     pub arc: usize,
+    /// Number of parabolas.
     pub parabola: usize,
+    /// Number of splines; always 0 in this version.
     pub spline: usize,
-    /// Turns of the tool about its resting tip.
-    pub turn: usize,
+    /// Number of turns of the tool about its resting tip. Absent where there are none.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub turn: Option<usize>,
 }
 
-/// The axis-parallel box of a path, mm.
+/// A box with sides along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema))]
 pub struct Bounds {
+    /// The corner with the smallest coordinates, in mm.
+    #[cfg_attr(feature = "wire", schema(value_type = crate::wire::Place))]
     pub min: Point3<f64>,
+    /// The corner with the largest coordinates, in mm.
+    #[cfg_attr(feature = "wire", schema(value_type = crate::wire::Place))]
     pub max: Point3<f64>,
 }
 
-/// The figures of a toolpath. Feed moves of any role are cutting.
+/// Lengths and times of a toolpath, and the box around the toolpath. Every feed move counts as cutting.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema))]
 pub struct Measures {
+    /// Length of all feed moves, in mm.
     pub cutting_length_mm: f64,
+    /// Length of all rapids, in mm.
     pub rapid_length_mm: f64,
-    /// None where a feed move has no feed.
+    /// Time of all feed moves at their feeds, in s. Absent where moves have no feed.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
     pub cutting_time_s: Option<f64>,
+    /// Time of all rapids at `rapid_feed_mm_per_min`, in s.
     pub rapid_time_s: f64,
-    pub dwell_time_s: f64,
-    /// Cutting, rapid and dwell time; none where there is no cutting time.
+    /// Time of cutting, rapids and dwells together, in s. Absent where moves have no feed.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
     pub total_time_s: Option<f64>,
-    pub counts: MoveCounts,
+    /// Time of all pauses, in s.
+    pub dwell_time_s: f64,
+    /// Estimated time on a machine that accelerates and brakes, in s. The estimate takes the acceleration
+    /// from `cutting` and assumes a control with look-ahead, which slows down in corners and on small arcs.
+    /// Absent where moves have no feed.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub time_with_acceleration_s: Option<f64>,
+    /// How many moves of each kind there are.
+    pub moves: MoveCounts,
+    /// The box around all positions of the tool's tip, in mm.
     pub bounds: Bounds,
 }
 
-/// Measures `toolpath` on a machine that traverses at `rapid_feed`.
+/// Measures `toolpath` for the machine of `cutting`, or for the default machine without `cutting`.
+pub fn measure_on(toolpath: &Toolpath, cutting: Option<&Cutting>) -> Measures {
+    let rapid_feed = cutting.map_or(FeedRate::DEFAULT_RAPID, |cutting| cutting.rapid_feed);
+    let acceleration = cutting.map_or(Acceleration::DEFAULT, |cutting| cutting.acceleration);
+    let time_with_acceleration_s = motion_time(toolpath, rapid_feed, acceleration);
+    Measures { time_with_acceleration_s, ..measure(toolpath, rapid_feed) }
+}
+
+/// Measures `toolpath` on a machine that traverses at `rapid_feed`, without the time with acceleration.
 pub fn measure(toolpath: &Toolpath, rapid_feed: FeedRate) -> Measures {
     let start = toolpath.start();
     let mut measures = Measures {
@@ -59,21 +95,22 @@ pub fn measure(toolpath: &Toolpath, rapid_feed: FeedRate) -> Measures {
         rapid_time_s: 0.0,
         dwell_time_s: 0.0,
         total_time_s: None,
-        counts: MoveCounts::default(),
+        time_with_acceleration_s: None,
+        moves: MoveCounts::default(),
         bounds: Bounds { min: start, max: start },
     };
     for step in toolpath.moves() {
         match step {
             Move::Rapid { line } => {
-                measures.counts.rapid += 1;
+                measures.moves.rapid += 1;
                 measures.rapid_length_mm += line.length();
                 measures.bounds.include(&Curve::Line(*line));
             }
             Move::Feed { along, rate, .. } => {
                 match along {
-                    Curve::Line(_) => measures.counts.line += 1,
-                    Curve::Arc(_) => measures.counts.arc += 1,
-                    Curve::Parabola(_) => measures.counts.parabola += 1,
+                    Curve::Line(_) => measures.moves.line += 1,
+                    Curve::Arc(_) => measures.moves.arc += 1,
+                    Curve::Parabola(_) => measures.moves.parabola += 1,
                 }
                 let length = along.length();
                 measures.cutting_length_mm += length;
@@ -82,7 +119,7 @@ pub fn measure(toolpath: &Toolpath, rapid_feed: FeedRate) -> Measures {
                 measures.bounds.include(along);
             }
             Move::Turn { seconds, .. } => {
-                measures.counts.turn += 1;
+                *measures.moves.turn.get_or_insert(0) += 1;
                 measures.cutting_time_s = measures.cutting_time_s.zip(*seconds).map(|(sum, own)| sum + own);
             }
             Move::Dwell { seconds } => measures.dwell_time_s += seconds,
@@ -140,7 +177,7 @@ mod tests {
         assert_eq!(measures.dwell_time_s, 1.5);
         assert!((measures.total_time_s.unwrap() - (5.1 + 2.0 * PI)).abs() < 1e-12);
         let counts = MoveCounts { rapid: 1, line: 1, arc: 2, ..MoveCounts::default() };
-        assert_eq!(measures.counts, counts);
+        assert_eq!(measures.moves, counts);
         let bounds = measures.bounds;
         assert!((bounds.min - Point3::new(0.0, -10.0, -1.0)).norm() < 1e-12);
         assert!((bounds.max - Point3::new(30.0, 0.0, 50.0)).norm() < 1e-12);
@@ -157,7 +194,7 @@ mod tests {
         let length = 5f64.sqrt() + 2f64.asinh() / 2.0;
         assert!((measures.cutting_length_mm - length).abs() < 1e-14);
         assert!((measures.total_time_s.unwrap() - length).abs() < 1e-14);
-        assert_eq!(measures.counts, MoveCounts { parabola: 1, ..MoveCounts::default() });
+        assert_eq!(measures.moves, MoveCounts { parabola: 1, ..MoveCounts::default() });
         assert_eq!(measures.bounds.min, Point3::new(-1.0, 0.0, 0.0));
         assert_eq!(measures.bounds.max, Point3::new(1.0, 1.0, 0.0));
     }

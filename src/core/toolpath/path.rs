@@ -8,13 +8,16 @@ use super::units::FeedRate;
 use crate::geometry::curve::{Arc, ArcError, Curve, Direction, Line, Parabola, ParabolaError};
 use crate::geometry::plane::Plane;
 
-/// The purpose of a feed move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// What a feed move is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
 pub enum Role {
+    #[default]
+    Cut,
     Plunge,
     Ramp,
     LeadIn,
-    Cut,
     Link,
     LeadOut,
 }

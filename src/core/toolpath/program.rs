@@ -1,7 +1,9 @@
 //! How a program is to be written: its units, its decimals, its number and its name.
 
-/// Units of the written words.
+/// Units of a written program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
 pub enum Units {
     #[default]
     Mm,
@@ -47,14 +49,21 @@ pub struct Program {
     pub custom: Custom,
 }
 
-/// A shop's own lines in a program.
+/// Lines of your own in a program: words of a letter and a number, or a comment. A line may call programs and
+/// macros of yours. It may move axes only to places of the machine (G28, G30, G53; SUPA on Siemens; M91 in
+/// Klartext). It may not end or leave the program, nor change units or coordinates for later blocks. Only
+/// lines of `header` may select a work offset; `work_offset` comes after them.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(deny_unknown_fields))]
 pub struct Custom {
-    /// Before the first line that sets modes.
+    /// Lines before the first line that sets modes, in order.
+    #[cfg_attr(feature = "wire", serde(default), schema(max_items = 50))]
     pub header: Vec<String>,
-    /// In place of the lines that change the tool.
+    /// Lines in place of the line that changes the tool, in order.
+    #[cfg_attr(feature = "wire", serde(default), schema(max_items = 50))]
     pub tool_change: Vec<String>,
-    /// Before the line that ends the program.
+    /// Lines before the line that ends the program, in order.
+    #[cfg_attr(feature = "wire", serde(default), schema(max_items = 50))]
     pub footer: Vec<String>,
 }
 
@@ -69,9 +78,10 @@ impl Custom {
     }
 }
 
-/// How the tool goes up to the machine's end of the Z axis before the tool is changed and before the program
-/// ends.
+/// The way up along Z before the tool change and before the end of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
 pub enum SafeHome {
     /// The tool does not go up.
     #[default]

@@ -130,14 +130,15 @@ impl Curves {
     }
 }
 
-/// Which arcs are written as arcs.
+/// The arcs that a dialect writes as arcs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
 pub enum Arcs {
-    /// None: all arcs become lines.
+    /// No arcs: all become lines.
     AsLines,
-    /// The arcs that are no helices.
+    /// Arcs in the planes XY, ZX and YZ, and no helices.
     Flat,
-    /// Arcs and helices.
+    /// Arcs in the planes XY, ZX and YZ, and helices.
     WithHelices,
 }
 

@@ -3,6 +3,9 @@
 use std::fmt;
 use std::time::Duration;
 
+use serde::Serialize;
+use utoipa::ToSchema;
+
 /// What to do next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step<'a> {
@@ -171,8 +174,10 @@ impl fmt::Display for Left {
     }
 }
 
-/// What is known of the characters that were sent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What is known of the arrival of the characters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = Arrival)]
 pub enum Delivery {
     /// The serial port has put all of them on the wire. Nothing tells whether the control has read them.
     Transmitted,

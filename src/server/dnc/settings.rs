@@ -4,6 +4,9 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
+use serde::Serialize;
+use utoipa::ToSchema;
+
 use super::format::Format;
 
 /// Number of NUL characters before the program. They keep the line busy while the control's reader gets
@@ -19,8 +22,10 @@ const PATIENCE: Duration = Duration::from_secs(600);
 /// The speeds in bits a second that are accepted. Speeds of machine controls are 4800 to 115200.
 const SPEEDS: std::ops::RangeInclusive<u32> = 50..=4_000_000;
 
-/// How the control holds up the sender.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How a control holds up the sender.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = FlowName)]
 pub enum Flow {
     /// Not at all: the control takes everything at the speed of the line.
     None,
@@ -33,10 +38,13 @@ pub enum Flow {
 }
 
 /// How lines end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = EndsName)]
 pub enum Ends {
     AsIs,
     Lf,
+    #[serde(rename = "crlf")]
     CrLf,
 }
 

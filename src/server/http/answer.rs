@@ -32,7 +32,6 @@ use super::dto::axis_output::AxisSetup;
 use super::dto::check::MAX_MAGNITUDE_MM;
 use super::dto::meta::Meta;
 use super::dto::setup::Setup;
-use super::dto::toolpath::Measures;
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::messages::Warning;
 use super::pointer::Pointer;
@@ -48,7 +47,7 @@ use timing::{SERVER_TIMING, Timing};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::cutting::Cutting;
-use toolpathd_core::toolpath::measure::{Bounds, measure};
+use toolpathd_core::toolpath::measure::{Bounds, measure, measure_on};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_plot::Drawing;
 use toolpathd_plot::diagram::Diagram;
@@ -125,7 +124,7 @@ impl Product for Cut {
         let nc = self.nc.or(written);
         // An answer with the text of the program leaves the toolpath out unless the caller asks for it.
         let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
-        let measures = Some(Measures::of(&self.toolpath, self.cutting.as_ref()));
+        let measures = Some(measure_on(&self.toolpath, self.cutting.as_ref()));
         PathMembers { measures, nc, toolpath: with_toolpath.then(|| self.toolpath.into()) }
     }
 }

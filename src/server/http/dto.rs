@@ -1,7 +1,7 @@
-//! Wire types: the JSON of requests and answers.
+//! The JSON of requests, and of those parts of answers that are no report of the core.
 //!
-//! Computations have types of their own. If a field is added to a wire type or to its counterpart, but not to
-//! both, the conversion between them does not compile.
+//! A request has types here where it is checked or where its units are converted. Its plain enums, and the
+//! reports of answers, are the core's own types.
 
 pub mod answer;
 pub mod approach;
@@ -21,7 +21,6 @@ pub mod meta;
 pub mod milling;
 pub mod modelling;
 pub mod moves;
-mod names;
 pub mod outline;
 pub mod pocketing;
 pub mod point;

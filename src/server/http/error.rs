@@ -13,10 +13,10 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::answer_point::Place;
 use super::pointer::Pointer;
 pub use field::{FieldCode, FieldError};
 pub use sent_part::SentPart;
+use toolpathd_core::wire::Place;
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
@@ -226,7 +226,8 @@ pub struct Problem {
     /// `band_infeasible`, `tolerance_not_reached`, `tool_too_large` and `no_entry`, with `invalid_request`
     /// where outlines cross, and with `not_smooth` unless `boundary: past` is to blame.
     #[serde(skip_serializing_if = "Option::is_none")]
-    place: Option<Place>,
+    #[schema(value_type = Option<Place>)]
+    place: Option<[f64; 3]>,
     /// The media types that the endpoint can answer. Present with `not_acceptable`.
     #[serde(skip_serializing_if = "Option::is_none")]
     offers: Option<Vec<&'static str>>,
@@ -359,7 +360,7 @@ impl ApiError {
             code: self.code,
             request_id: request_id.to_owned(),
             errors: self.errors,
-            place: self.place.map(Place),
+            place: self.place,
             offers: self.offers,
             sent: self.sent,
         }

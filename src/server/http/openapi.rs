@@ -44,7 +44,7 @@ use super::v1;
     ),
     components(schemas(Problem, super::answer::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint,
         super::dto::point::Position, super::dto::outline::Vertex, super::dto::outline::Outline, super::dto::pocketing::Cleared,
-        super::dto::pocketing::Pattern, super::dto::five_axis::SentPose, super::dto::five_axis::SentRotary))
+        toolpathd_core::operations::pocketing::Pattern, super::dto::five_axis::SentPose, super::dto::five_axis::SentRotary))
 )]
 struct Document;
 

@@ -210,8 +210,8 @@ fn reports_that_promise_too_much_are_found() {
     let mut spoiled = plan.clone();
     spoiled.report.total_time_s *= 1.0 - 1e-5;
     let level = &mut spoiled.report.levels[0];
-    level.not_reached_mm2 -= 2.5;
-    level.candidates[0].engagement_max -= 5f64.to_radians();
+    level.not_reached_area_mm2 -= 2.5;
+    level.candidates[0].engagement_max_deg -= 5.0;
     let verdict = judged(&case, &job, &plan, &spoiled);
     let found: Vec<_> = verdict.faults.keys().copied().collect();
     assert_eq!(found, [Fault::EngagementReport, Fault::NotReachedReport, Fault::Time]);

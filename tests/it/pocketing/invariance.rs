@@ -29,7 +29,7 @@ fn sound(case: &Case, area: &Area) -> Plan {
 fn chosen_time(plan: &Plan) -> f64 {
     let level = &plan.report.levels[0];
     let chosen = level.candidates.iter().find(|candidate| Some(candidate.pattern) == level.chosen);
-    chosen.and_then(|candidate| candidate.times).unwrap().time_s
+    chosen.and_then(|candidate| candidate.time_s).unwrap()
 }
 
 /// The same outline with each vertex moved. Bulges change their sign where the image is mirrored.

@@ -245,7 +245,7 @@ fn check_angles(case: &Case, job: &Job, plan: &Plan, motions: &[Motion], verdict
     verdict.angle_deg = most.to_degrees();
     let level = &plan.report.levels[0];
     let chosen = level.candidates.iter().find(|candidate| Some(candidate.pattern) == level.chosen).unwrap();
-    let reported = chosen.engagement_max.to_degrees();
+    let reported = chosen.engagement_max_deg;
     if verdict.angle_deg > reported + REPORT_ALLOWANCE_DEG {
         let found = verdict.angle_deg;
         verdict.add(Fault::EngagementReport, found - reported, || {
@@ -263,7 +263,7 @@ fn check_report(area: &Area, plan: &Plan, motions: &[Motion], verdict: &mut Verd
         verdict.add(Fault::Time, (own - reported).abs(), || format!("{own} s, {reported} s reported"));
     }
     for level in &plan.report.levels {
-        let (own, reported) = (area.pocket_mm2 - area.reach_mm2, level.not_reached_mm2);
+        let (own, reported) = (area.pocket_mm2 - area.reach_mm2, level.not_reached_area_mm2);
         if (own - reported).abs() > 0.5 + 0.02 * own {
             verdict.add(Fault::NotReachedReport, (own - reported).abs(), || {
                 format!("{own:.3} mm2 are out of reach, {reported:.3} mm2 reported")

@@ -6,12 +6,14 @@ use nalgebra::{Point3, Vector3};
 
 use crate::geometry::plane::Plane;
 
-/// The sense of an arc, seen from the positive side of its plane's normal.
+/// The direction of an arc: `cw` (G2) or `ccw` (G3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"), schema(as = ArcDirection))]
 pub enum Direction {
-    /// Clockwise, G2.
+    /// Clockwise, seen from the positive side of the plane's normal.
     Cw,
-    /// Counterclockwise, G3.
+    /// Counterclockwise.
     Ccw,
 }
 

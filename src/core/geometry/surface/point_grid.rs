@@ -30,6 +30,7 @@ type EndCondition = spline::EndCondition<3>;
 
 /// How the mixed derivatives at the points of the grid are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
 pub enum Twist {
     /// The mixed derivatives of the tensor-product cubic spline: the surface is C2.
     #[default]

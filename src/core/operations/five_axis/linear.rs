@@ -3,7 +3,7 @@
 use super::deviation::{Deviation, of_span};
 use super::path::Block;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span};
-use super::{Rails, rotation};
+use super::{Continuity, Rails, rotation};
 
 /// Between two points of a block the axis turns by at most this angle, radians. The mean of two axes is then
 /// within a seventh of a microradian of their great circle; the least legal tolerance is ten times as large.
@@ -23,7 +23,7 @@ pub fn rails(stations: &[Point6]) -> Rails {
         rail.pieces.push(Piece::new(fitted));
     }
     rail.number();
-    Rails { rail, deviation, n_blends: 0, continuity: 0 }
+    Rails { rail, deviation, n_blends: 0, continuity: Continuity::C0 }
 }
 
 fn spans(block: &Block) -> Vec<Span> {

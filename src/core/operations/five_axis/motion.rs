@@ -138,10 +138,13 @@ fn parameter(span: &Span, rests: bool, wanted: f64) -> f64 {
     u.clamp(span.from, span.to)
 }
 
-/// The root of the mean square and the largest of some numbers.
+/// A figure of the tip over the whole motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Peak {
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema))]
+pub struct Peaks {
+    /// Root of the mean square, in mm/s, mm/s2 or mm/s3.
     pub rms: f64,
+    /// Largest value, in mm/s, mm/s2 or mm/s3.
     pub max: f64,
 }
 
@@ -152,12 +155,12 @@ pub fn differences(rows: &[nalgebra::Vector3<f64>], period_s: f64) -> Vec<nalgeb
 
 /// Speed, acceleration and jerk of the tip, by differences of samples that are all `period_s` apart: mm/s,
 /// mm/s2 and mm/s3.
-pub fn peaks(tips: &[nalgebra::Vector3<f64>], period_s: f64) -> [Peak; 3] {
+pub fn peaks(tips: &[nalgebra::Vector3<f64>], period_s: f64) -> [Peaks; 3] {
     let mut rows = tips.to_vec();
     [(); 3].map(|()| {
         rows = differences(&rows, period_s);
         let squares: f64 = rows.iter().map(nalgebra::Vector3::norm_squared).sum();
         let rms = if rows.is_empty() { 0.0 } else { (squares / rows.len() as f64).sqrt() };
-        Peak { rms, max: rows.iter().map(nalgebra::Vector3::norm).fold(0.0, f64::max) }
+        Peaks { rms, max: rows.iter().map(nalgebra::Vector3::norm).fold(0.0, f64::max) }
     })
 }

@@ -29,10 +29,10 @@
 
 use nalgebra::Vector3;
 
-use super::Rails;
 use super::deviation::{Deviation, of_span};
 use super::path::Block;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, join, tip, top};
+use super::{Continuity, Rails};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bspline;
 use crate::toolpath::tool_axes::angle_between;
@@ -67,7 +67,12 @@ pub fn rails(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Resu
         deviation = deviation.max(of_span(&span, &blocks[near[0]..=near[1]], Deviation::NONE));
         spans.push(Fitted { span, source: Source::Run(near) });
     }
-    Ok(Rails { rail: Rail { pieces: vec![Piece::new(spans)] }, deviation, n_blends: 0, continuity: 2 })
+    Ok(Rails {
+        rail: Rail { pieces: vec![Piece::new(spans)] },
+        deviation,
+        n_blends: 0,
+        continuity: Continuity::C2,
+    })
 }
 
 /// The vectors to the tops after the axes are spaced as their tips are (2), each moved by at most `most`

@@ -20,7 +20,7 @@ use super::blend::{Blend, begin_at, blend, end_at};
 use super::deviation::{Deviation, of_span};
 use super::path::Block;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, tip, top};
-use super::{FiveAxisError, Rails, rotation, tube};
+use super::{Continuity, FiveAxisError, Rails, rotation, tube};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::spline::{EndCondition, derivatives_over};
 use crate::toolpath::tool_axes::angle_between;
@@ -314,8 +314,12 @@ impl<'a> Smoother<'a> {
 
     /// Joins the runs by blends and stops.
     fn join(&self, runs: Vec<Run>, budget: &Budget) -> Result<Rails, Stopped> {
-        let mut rails =
-            Rails { rail: Rail::default(), deviation: Deviation::NONE, n_blends: 0, continuity: 2 };
+        let mut rails = Rails {
+            rail: Rail::default(),
+            deviation: Deviation::NONE,
+            n_blends: 0,
+            continuity: Continuity::C2,
+        };
         let mut piece: Vec<Fitted> = Vec::new();
         for Run { first, mut spans, deviation } in runs {
             budget.check()?;

@@ -12,8 +12,10 @@ pub use super::source::Source;
 /// The most elements of a job whose caller sets no limit.
 pub const DEFAULT_ELEMENT_LIMIT: usize = 250_000;
 
-/// The kind of elements that interpolate a curve.
+/// The kind of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = InterpolationMethod))]
 pub enum Method {
     Linear,
     Parabolic,
@@ -33,8 +35,11 @@ pub enum Subdivision {
 }
 
 /// Where elements meet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = InterpolationJoints))]
 pub enum Joints {
+    #[default]
     OnCurve,
     /// Anywhere in the band, for lines, if that needs fewer of them. The ends of the curve stay on the curve.
     InBand,

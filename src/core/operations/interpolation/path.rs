@@ -115,8 +115,7 @@ fn runnable(
         let is_run =
             job.curves.parabolas == Parabolas::InXy || !matches!(element.element, Element::Parabola { .. });
         if is_run {
-            stretches
-                .push(ProvedElement { element: element.element, deviation_mm: element.spread.largest_mm() });
+            stretches.push(ProvedElement { element: element.element, deviation_mm: element.deviation_mm });
             continue;
         }
         let method = if job.curves.arcs == Arcs::AsLines { Method::Linear } else { Method::Arc };

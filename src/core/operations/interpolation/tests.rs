@@ -88,7 +88,7 @@ fn a_control_without_parabolas_gets_arcs_within_the_same_band() {
     assert!(plan.report.elements.iter().all(|element| matches!(element.element, Element::Parabola { .. })));
     let counts =
         crate::toolpath::measure::measure(&plan.toolpath, crate::toolpath::units::FeedRate::DEFAULT_RAPID)
-            .counts;
+            .moves;
     assert_eq!(counts.parabola, 0);
     assert!(counts.arc >= 6 && counts.arc + counts.line <= 20, "{counts:?}");
 }

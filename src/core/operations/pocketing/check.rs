@@ -27,13 +27,17 @@ const GOUGE_MM: f64 = 1e-5;
 /// The pattern `engagement` keeps the angle within this multiple of that of a straight pass.
 const BOUNDED: f64 = 1.1;
 
-/// A part of a route along which the angle is more than 1.1 of that of a straight pass.
+/// A part of the path along which the angle of the cutter in the material is large.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = EngagementException))]
 pub struct Exception {
+    /// Where it begins, `[x, y]`, in mm.
+    #[cfg_attr(feature = "wire", schema(value_type = [f64; 2]))]
     pub at: Point2<f64>,
+    /// Its length, in mm.
     pub length_mm: f64,
-    /// The largest angle, radians.
-    pub angle: f64,
+    /// Proved largest angle, in degrees.
+    pub angle_deg: f64,
 }
 
 /// Why a pattern is not valid.
@@ -45,9 +49,6 @@ pub enum Invalid {
     Gouge { depth_mm: f64, at: Point2<f64> },
     #[error("a link runs through material near {at}")]
     LinkInMaterial { at: Point2<f64> },
-    /// The pattern has no path.
-    #[error(transparent)]
-    Failed(Box<PocketError>),
 }
 
 /// The figures of a route that hold at any height.
@@ -117,15 +118,16 @@ fn angles(runs: &[Run], conditions: &Conditions, check: &mut Check) {
         let length = step.element.length();
         for stretch in &step.angles {
             let own = (stretch.to - stretch.from) * length;
+            let angle_deg = stretch.angle.to_degrees();
             let was_over = std::mem::replace(&mut is_over, stretch.angle > limit);
             match check.exceptions.last_mut() {
                 Some(last) if is_over && was_over => {
                     last.length_mm += own;
-                    last.angle = last.angle.max(stretch.angle);
+                    last.angle_deg = last.angle_deg.max(angle_deg);
                 }
                 _ if is_over => {
                     let at = step.element.at(stretch.from);
-                    check.exceptions.push(Exception { at, length_mm: own, angle: stretch.angle });
+                    check.exceptions.push(Exception { at, length_mm: own, angle_deg });
                 }
                 _ => {}
             }

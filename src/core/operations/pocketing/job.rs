@@ -9,8 +9,10 @@ use crate::toolpath::program::Resolution;
 use crate::toolpath::quantize::Curves;
 use crate::toolpath::tool::Tool;
 
-/// A way to clear a level. All but `Engagement` are from the paper.
+/// A way to clear a level. All but `engagement` have a pass along walls and islands of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
 pub enum Pattern {
     /// Rings about the islands, outward.
     IslandOffset,
@@ -18,13 +20,13 @@ pub enum Pattern {
     IslandStockOffset,
     /// Rows to and fro up to walls and islands.
     ZigzagOffset,
-    /// Rows to and fro inside a ring beside walls and islands.
+    /// Rows to and fro only where the pass along walls and islands leaves material.
     ZigzagStockOffset,
-    /// Rows that go around islands and on.
+    /// Rows up to the wall that go around islands and on.
     ContinuousOffset,
-    /// Rows that go around islands and on, inside a ring beside walls and islands.
+    /// Rows that go around islands and on, and end inside the pass along the wall.
     ContinuousStockOffset,
-    /// Passes whose angle in material is bounded.
+    /// Passes whose angle in the material is bounded. All other patterns are from the paper.
     Engagement,
 }
 
@@ -40,23 +42,29 @@ impl Pattern {
     ];
 }
 
-/// The figure that the chosen pattern of a level has least.
+/// The figure by which a pattern is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
 pub enum ChooseBy {
+    /// The time of all moves at their feeds, entries and slots included.
     #[default]
     Time,
-    /// The paper's sum of lengths divided by feeds.
+    /// The paper's time: cutting length by feed, and rapid length by traverse rate.
     PaperTime,
-    /// The time on a machine with limited acceleration.
+    /// The estimated time on a machine that accelerates and brakes.
     TimeWithAcceleration,
 }
 
-/// The side of the cutter on which the material is, seen along the feed.
+/// The side on which the material is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = MillingDirection))]
 pub enum Milling {
-    /// On the right: a cutter that turns clockwise comes out of the material at its surface.
+    /// On the right, seen along the feed: a cutter that turns clockwise comes out of the material at its
+    /// surface.
     #[default]
     Climb,
+    /// On the left.
     Conventional,
 }
 

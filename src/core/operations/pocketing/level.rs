@@ -59,19 +59,27 @@ pub struct Level {
 
 /// A place that stays uncut.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = UncutPlace))]
 pub struct Uncut {
+    /// Area, in mm2.
     pub area_mm2: f64,
+    /// Centroid `[x, y]`, in mm.
+    #[cfg_attr(feature = "wire", schema(value_type = [f64; 2]))]
     pub at: Point2<f64>,
 }
 
 /// An island of a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketIsland))]
 pub struct Island {
+    /// Area, in mm2.
     pub area_mm2: f64,
+    /// Centroid `[x, y]`, in mm.
+    #[cfg_attr(feature = "wire", schema(value_type = [f64; 2]))]
     pub centroid: Point2<f64>,
-    /// The distance to the nearest other island, mm; none if there is no other.
+    /// Distance to the nearest other island, in mm; `null` without another island.
     pub nearest_island_mm: Option<f64>,
-    /// The distance to the wall, mm.
+    /// Distance to the wall, in mm.
     pub wall_mm: f64,
 }
 

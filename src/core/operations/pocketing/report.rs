@@ -15,142 +15,172 @@ use crate::geometry::curve::Curve;
 use crate::geometry::region::Region;
 use crate::geometry::segment::Segment;
 use crate::toolpath::cutting::Cutting;
-use crate::toolpath::measure::measure;
-use crate::toolpath::motion_time::motion_time;
+use crate::toolpath::measure::{measure, measure_on};
 use crate::toolpath::quantize;
 use crate::toolpath::{Move, Toolpath};
 
-/// The paper's time, and the times of the actual moves, s.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Times {
-    pub paper_time_s: f64,
-    pub time_s: f64,
-    pub time_with_acceleration_s: f64,
-    pub non_cutting_time_s: f64,
-    pub cutting_length_mm: f64,
-    pub rapid_length_mm: f64,
-}
-
-/// The figures of a pattern on a level.
+/// The figures of one pattern on one level.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketCandidate))]
 pub struct Candidate {
+    /// The pattern.
     pub pattern: Pattern,
-    /// None if the pattern has no path.
-    pub times: Option<Times>,
-    pub n_retracts: usize,
-    pub uncut_area_mm2: f64,
-    /// The largest angle in material, radians.
-    pub engagement_max: f64,
-    pub engagement_over_length_mm: f64,
-    /// Where the angle exceeds 1.1 of that of a straight pass; for the pattern `engagement` alone.
-    pub exceptions: Vec<Exception>,
+    /// Whether the pattern passes the service's check of coverage, walls and links.
+    pub valid: bool,
+    /// Why the pattern does not pass the check. Absent for a valid pattern.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub invalid_because: Option<String>,
+    /// The paper's time, in s: cutting length by feed, and rapid length by traverse rate. `null`, like the
+    /// other times and lengths, where the pattern has no path.
+    pub paper_time_s: Option<f64>,
+    /// Time of all moves at their feeds, in s.
+    pub time_s: Option<f64>,
+    /// Estimated time on a machine that accelerates and brakes, in s.
+    pub time_with_acceleration_s: Option<f64>,
+    /// Time of rapids and of feed motion that cuts nothing, in s.
+    pub non_cutting_time_s: Option<f64>,
+    /// Length of all feed moves, in mm.
+    pub cutting_length_mm: Option<f64>,
+    /// Length of all rapids, in mm.
+    pub rapid_length_mm: Option<f64>,
+    /// Length of feed motion at the level's floor that cuts nothing, in mm.
     pub air_length_mm: f64,
-    pub invalid_because: Option<Invalid>,
+    /// Number of times the tool is lifted between the first and the last cut.
+    pub n_retracts: usize,
+    /// Area in the tool's reach that the pattern leaves uncut, in mm2.
+    pub uncut_area_mm2: f64,
+    /// Proved largest angle of the cutter in the material, in degrees, without entries: 180 in a slot.
+    pub engagement_max_deg: f64,
+    /// Length on which this angle is larger than on a straight pass with the stepover, in mm.
+    pub engagement_over_length_mm: f64,
+    /// Where the pattern `engagement` exceeds 1.1 times the angle on a straight pass, in the order of the
+    /// path. Absent for other patterns.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub engagement_exceptions: Option<Vec<Exception>>,
 }
 
+/// A level of a pocket.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketLevel))]
 pub struct LevelReport {
+    /// Height of the level's floor, in mm.
+    pub z_mm: f64,
+    /// Thickest material that the level leaves on slopes of the part, in mm, at a right angle to the slope.
+    /// Places that the tool cannot reach do not count. Absent without `roughing_allowance_mm`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub leftover_max_mm: Option<f64>,
+    /// Number of islands.
+    pub n_islands: usize,
+    /// The islands.
+    pub islands: Vec<Island>,
+    /// The pattern that the program uses; `null` where the tool fits nowhere on the level.
+    pub chosen: Option<Pattern>,
+    /// All patterns that were asked for; none where the tool fits nowhere.
+    pub candidates: Vec<Candidate>,
+    /// Area that the tool cannot reach, in mm2.
+    pub not_reached_area_mm2: f64,
+    /// Places that the tool cannot reach and that are larger than corners, the largest first.
+    pub not_reached: Vec<Uncut>,
+}
+
+/// The outlines of a level, for pictures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelOutlines {
     pub top_z_mm: f64,
     pub z_mm: f64,
-    /// The thickest material that the level leaves on the slopes of a relief, mm, where that is limited.
-    pub leftover_mm: Option<f64>,
-    pub islands: Vec<Island>,
-    /// None where the tool fits nowhere.
-    pub chosen: Option<Pattern>,
-    pub candidates: Vec<Candidate>,
-    /// The area that the tool cannot reach, mm², and its places larger than corners.
-    pub not_reached_mm2: f64,
-    pub not_reached: Vec<Uncut>,
-    /// The outlines of the pocket and of all that stays uncut, for pictures.
-    pub outlines: Vec<Vec<Segment>>,
+    pub pocket: Vec<Vec<Segment>>,
+    /// All that stays uncut.
     pub uncut: Vec<Vec<Segment>>,
 }
 
+/// The levels with the figures of all patterns, and figures of the whole program.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketReport))]
 pub struct Report {
+    /// The levels, from the top down.
     pub levels: Vec<LevelReport>,
+    /// Time of all moves at their feeds, in s.
     pub total_time_s: f64,
-    /// What stays uncut on all levels, in reach or not, mm².
+    /// Area that stays uncut, summed over the levels, in mm2: what the tool cannot reach, and what the chosen
+    /// patterns leave.
     pub uncut_area_mm2: f64,
-    /// Bound of the depth to which the cutter may cut into walls and islands, after rounding, mm.
+    /// Proved largest depth to which the cutter cuts into walls and islands, in mm, after rounding to the
+    /// program's decimals.
     pub gouge_max_mm: f64,
 }
 
-impl Times {
-    /// The times of a route on a level.
+impl Candidate {
+    /// The figures of a pattern with a route on a level.
     ///
     /// # Errors
     /// When the route has more than `move_limit` moves.
-    pub fn of(route: &Route, conditions: &Conditions, move_limit: usize) -> Result<Self, PocketError> {
-        let retract = conditions.cutting.retract_z_mm;
+    pub fn new(
+        pattern: Pattern,
+        route: &Route,
+        conditions: &Conditions,
+        move_limit: usize,
+    ) -> Result<Self, PocketError> {
+        let (check, cutting) = (&route.check, &conditions.cutting);
+        let retract = cutting.retract_z_mm;
         let start =
             route.runs.first().map_or(Point3::origin(), |run| Point3::new(run.start.x, run.start.y, retract));
         let mut builder = Toolpath::builder(start).with_limit(move_limit);
         path::append(&mut builder, 0, &route.runs, conditions)?;
-        let toolpath = builder.finish()?;
-        let cutting = &conditions.cutting;
-        let measures = measure(&toolpath, cutting.rapid_feed);
-        let ramps = motion_time(&toolpath, cutting.rapid_feed, cutting.acceleration);
-        let time_s = measures.total_time_s.unwrap_or(f64::INFINITY);
+        let measures = measure_on(&builder.finish()?, Some(cutting));
+        let feed_mm_per_s = cutting.feed.mm_per_s();
         Ok(Self {
-            paper_time_s: measures.cutting_length_mm / cutting.feed.mm_per_s() + measures.rapid_time_s,
-            time_s,
-            time_with_acceleration_s: ramps.unwrap_or(f64::INFINITY),
-            non_cutting_time_s: measures.rapid_time_s + route.check.air_length_mm / cutting.feed.mm_per_s(),
-            cutting_length_mm: measures.cutting_length_mm,
-            rapid_length_mm: measures.rapid_length_mm,
+            pattern,
+            valid: check.invalid_because.is_none(),
+            invalid_because: check.invalid_because.as_ref().map(Invalid::to_string),
+            paper_time_s: Some(measures.cutting_length_mm / feed_mm_per_s + measures.rapid_time_s),
+            time_s: measures.total_time_s,
+            time_with_acceleration_s: measures.time_with_acceleration_s,
+            non_cutting_time_s: Some(measures.rapid_time_s + check.air_length_mm / feed_mm_per_s),
+            cutting_length_mm: Some(measures.cutting_length_mm),
+            rapid_length_mm: Some(measures.rapid_length_mm),
+            air_length_mm: check.air_length_mm,
+            n_retracts: route.runs.len().saturating_sub(1),
+            uncut_area_mm2: check.uncut_area_mm2,
+            engagement_max_deg: check.engagement_max.to_degrees(),
+            engagement_over_length_mm: check.engagement_over_length_mm,
+            engagement_exceptions: (pattern == Pattern::Engagement).then(|| check.exceptions.clone()),
         })
     }
 
+    /// A pattern without a path.
+    pub fn failed(pattern: Pattern, because: String) -> Self {
+        Self {
+            pattern,
+            valid: false,
+            invalid_because: Some(because),
+            paper_time_s: None,
+            time_s: None,
+            time_with_acceleration_s: None,
+            non_cutting_time_s: None,
+            cutting_length_mm: None,
+            rapid_length_mm: None,
+            air_length_mm: 0.0,
+            n_retracts: 0,
+            uncut_area_mm2: 0.0,
+            engagement_max_deg: 0.0,
+            engagement_over_length_mm: 0.0,
+            engagement_exceptions: (pattern == Pattern::Engagement).then(Vec::new),
+        }
+    }
+
+    /// The figure by which patterns are compared.
     pub fn figure(&self, choose_by: ChooseBy) -> f64 {
-        match choose_by {
+        let figure = match choose_by {
             ChooseBy::Time => self.time_s,
             ChooseBy::PaperTime => self.paper_time_s,
             ChooseBy::TimeWithAcceleration => self.time_with_acceleration_s,
-        }
-    }
-}
-
-impl Candidate {
-    pub fn new(pattern: Pattern, route: &Route, times: &Times) -> Self {
-        let check = &route.check;
-        Self {
-            pattern,
-            times: Some(*times),
-            n_retracts: route.runs.len().saturating_sub(1),
-            uncut_area_mm2: check.uncut_area_mm2,
-            engagement_max: check.engagement_max,
-            engagement_over_length_mm: check.engagement_over_length_mm,
-            exceptions: match pattern {
-                Pattern::Engagement => check.exceptions.clone(),
-                _ => Vec::new(),
-            },
-            air_length_mm: check.air_length_mm,
-            invalid_because: check.invalid_because.clone(),
-        }
-    }
-
-    /// A pattern without a path.
-    pub fn failed(pattern: Pattern, error: PocketError) -> Self {
-        Self {
-            pattern,
-            times: None,
-            n_retracts: 0,
-            uncut_area_mm2: 0.0,
-            engagement_max: 0.0,
-            engagement_over_length_mm: 0.0,
-            exceptions: Vec::new(),
-            air_length_mm: 0.0,
-            invalid_because: Some(Invalid::Failed(Box::new(error))),
-        }
-    }
-
-    pub fn is_valid(&self) -> bool {
-        self.invalid_because.is_none()
+        };
+        figure.unwrap_or(f64::INFINITY)
     }
 }
 
 impl LevelReport {
+    /// The report of a level, and its outlines.
     pub fn new(
         shape: &Shape,
         level: &Level,
@@ -158,30 +188,32 @@ impl LevelReport {
         chosen: Option<(Pattern, &Route)>,
         candidates: Vec<Candidate>,
         budget: &Budget,
-    ) -> Result<Self, PocketError> {
+    ) -> Result<(Self, LevelOutlines), PocketError> {
         let not_reached = shape.not_reached(budget)?;
         let elements =
             |region: &Region| region.outlines().map(|outline| outline.elements().to_vec()).collect();
         let mut uncut: Vec<Vec<Segment>> = elements(&not_reached);
         uncut.extend(chosen.iter().flat_map(|(_, route)| &route.check.uncut).map(|element| vec![*element]));
-        Ok(Self {
-            top_z_mm: level.top_z_mm,
-            z_mm: level.z_mm,
-            leftover_mm: level.leftover_mm,
-            islands: shape.islands(),
+        let &Level { top_z_mm, z_mm, .. } = level;
+        let outlines = LevelOutlines { top_z_mm, z_mm, pocket: elements(&shape.pocket), uncut };
+        let islands = shape.islands();
+        let report = Self {
+            z_mm,
+            leftover_max_mm: level.leftover_mm,
+            n_islands: islands.len(),
+            islands,
             chosen: chosen.map(|(pattern, _)| pattern),
             candidates,
             // The sum over no outlines is minus zero.
-            not_reached_mm2: not_reached.area() + 0.0,
+            not_reached_area_mm2: not_reached.area() + 0.0,
             not_reached: largest_places(&not_reached, conditions.radius_mm),
-            outlines: elements(&shape.pocket),
-            uncut,
-        })
+        };
+        Ok((report, outlines))
     }
 
     fn uncut_mm2(&self) -> f64 {
         let chosen = self.candidates.iter().find(|candidate| Some(candidate.pattern) == self.chosen);
-        self.not_reached_mm2 + chosen.map_or(0.0, |candidate| candidate.uncut_area_mm2)
+        self.not_reached_area_mm2 + chosen.map_or(0.0, |candidate| candidate.uncut_area_mm2)
     }
 }
 

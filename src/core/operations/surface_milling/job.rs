@@ -21,11 +21,14 @@ pub const DEFAULT_POINT_LIMIT: usize = 10_000_000;
 /// section of the offset took 2 us.
 pub const CONTACT_SHARE: f64 = 0.04;
 
-/// The direction of the section planes: `Zx` at constant y, `Yz` at constant x.
+/// The planes of the passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
 pub enum SectionPlane {
+    /// Planes of constant y.
     #[default]
     Zx,
+    /// Planes of constant x.
     Yz,
 }
 
@@ -43,8 +46,9 @@ impl SectionPlane {
     }
 }
 
-/// The method that finds the CL curves.
+/// How the CL points are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
 pub enum Engine {
     /// Direct contact of the cutter with the surface.
     #[default]
@@ -67,6 +71,7 @@ pub enum Spacing {
 
 /// Where the passes end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
 pub enum Boundary {
     /// The whole cutter stays inside the outline, seen from above.
     Inside,
@@ -77,16 +82,18 @@ pub enum Boundary {
     Past,
 }
 
-/// The order in which the sections are cut.
+/// In which direction passes are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
 pub enum CutDirection {
     OneWay,
     #[default]
     Zigzag,
 }
 
-/// The curves that join the CL points.
+/// What joins the CL points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
 pub enum Interpolation {
     #[default]
     Arcs,

@@ -8,9 +8,10 @@ use utoipa::openapi::schema::{ObjectBuilder, RefBuilder, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::meta::{Meta, MetaTexts};
-use super::toolpath::{Measures, Toolpath};
+use super::toolpath::Toolpath;
 use crate::http::ENGINE_VERSION;
 use crate::http::messages::Warning;
+use toolpathd_core::toolpath::measure::Measures;
 
 /// The answer of a computation: the members of every answer, the report of the operation, and the members of
 /// its product.

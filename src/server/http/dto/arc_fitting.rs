@@ -1,5 +1,4 @@
-//! The wire types for fitting arcs to a polyline, and for fitting arcs to an NC program: requests and
-//! reports.
+//! The requests to fit arcs to a polyline and to an NC program.
 
 use serde::{Deserialize, Serialize};
 use utoipa::openapi::Ref;
@@ -9,8 +8,6 @@ use super::check::{Range, Violations};
 use super::cutting::Cutting;
 use super::dialect::{self, DialectName};
 use super::meta::{Meta, MetaTexts};
-use super::moves::Plane;
-use super::names::into_core;
 use super::point::Position;
 use super::program::Program;
 use super::schema::{array_of, schema_of};
@@ -21,10 +18,10 @@ use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
-use toolpathd_core::geometry::arc_fit as core_fit;
-use toolpathd_core::geometry::plane;
+use toolpathd_core::geometry::arc_fit::{Continuity, Fit, Joints, Measure, Method};
+use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::operations::arc_fitting as core;
-use toolpathd_post::rewrite::{self, Figures, RewriteJob};
+use toolpathd_post::rewrite::{Figures, RewriteJob};
 
 /// Points to be replaced by arcs and lines. An arc turns by at most 180 degrees between two neighbouring
 /// points.
@@ -91,53 +88,6 @@ schema_of!(Polyline, "Points in mm, in order.", {
     array_of(Ref::from_schema_name("Position"), 2, Limits::DEFAULT.curve_points)
 });
 
-/// How elements are found.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ArcFitMethod)]
-pub enum Method {
-    #[default]
-    Optimal,
-    Greedy,
-    Biarc,
-}
-
-/// How neighbouring elements meet.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ArcFitContinuity)]
-pub enum Continuity {
-    #[default]
-    Position,
-    Tangent,
-}
-
-/// What the tolerance holds for.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ArcFitMeasure)]
-pub enum Measure {
-    #[default]
-    Points,
-    Polyline,
-}
-
-/// Where elements meet.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ArcFitJoints)]
-pub enum Joints {
-    #[default]
-    Free,
-    OnPoints,
-}
-
-into_core!(Method => core_fit::Method, [Optimal, Greedy, Biarc]);
-into_core!(ProgramMethod => core_fit::Method, [Optimal, Greedy]);
-into_core!(Continuity => core_fit::Continuity, [Position, Tangent]);
-into_core!(Measure => core_fit::Measure, [Points, Polyline]);
-into_core!(Joints => core_fit::Joints, [Free, OnPoints]);
-
 /// How the G1 blocks of a program are fitted: the query of a body that is NC text.
 #[derive(Debug, Clone, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
@@ -187,8 +137,11 @@ impl ProgramQuery {
             let Range { min, max } = TOLERANCES;
             return Err(invalid(format!("`tolerance_mm` is {tolerance_mm}; send {min} to {max} mm")));
         }
-        let (method, continuity) = ((*method).into(), (*continuity).into());
-        let fit = core_fit::Fit { method, continuity, ..core_fit::Fit::within(*tolerance_mm) };
+        let method = match method {
+            ProgramMethod::Optimal => Method::Optimal,
+            ProgramMethod::Greedy => Method::Greedy,
+        };
+        let fit = Fit { method, continuity: *continuity, ..Fit::within(*tolerance_mm) };
         let dialect = dialect::find(dialect.as_deref()).map_err(invalid)?;
         if !dialect.has_plain_words() {
             let detail = format!(
@@ -205,66 +158,8 @@ impl ProgramQuery {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum AnyFitReport {
-    Polyline(FitReport),
-    Program(ProgramReport),
-}
-
-/// What changed in an NC program.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct ProgramReport {
-    /// Number of runs of G1 blocks that were replaced.
-    n_runs: u64,
-    /// Number of points in these runs: the ends of the G1 blocks.
-    n_points: u64,
-    /// Number of arcs and helices in these runs after the rewriting.
-    n_arcs: u64,
-    /// Number of straight moves in these runs after the rewriting.
-    n_lines: u64,
-    /// Proved largest distance between the new blocks and the straight moves that they replace, in mm,
-    /// measured from each to the other. Because coordinates are rounded, the radii at the start and at the
-    /// end of an arc differ slightly; the bound holds for every radius between the two that the control may
-    /// use.
-    deviation_max_mm: f64,
-    /// Number of blocks of the program that move an axis.
-    n_motions: u64,
-    /// How many cutting blocks were left as they were, by reason.
-    left_alone: LeftAlone,
-    /// Length of the program as sent, in bytes.
-    bytes_in: u64,
-    /// Length of the program as answered, in bytes.
-    bytes_out: u64,
-}
-
-/// How many cutting blocks were left as they were, by reason.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct LeftAlone {
-    /// Number of blocks with variables, expressions, or words that the service does not understand.
-    macros: u64,
-    /// Number of blocks that move axes other than X, Y and Z.
-    other_axes: u64,
-    /// Number of blocks under cutter compensation, absolute centres, inverse time feed, or an unknown mode.
-    modes: u64,
-}
-
-impl From<Figures> for ProgramReport {
-    fn from(figures: Figures) -> Self {
-        let Figures { n_runs, n_points, n_arcs, n_lines, deviation_max_mm, n_motions, left_alone, .. } =
-            figures;
-        let rewrite::LeftAlone { macros, other_axes, modes } = left_alone;
-        let left_alone = LeftAlone { macros, other_axes, modes };
-        let Figures { bytes_in, bytes_out, .. } = figures;
-        Self {
-            n_runs,
-            n_points,
-            n_arcs,
-            n_lines,
-            deviation_max_mm,
-            n_motions,
-            left_alone,
-            bytes_in,
-            bytes_out,
-        }
-    }
+    Polyline(core::Report),
+    Program(Figures),
 }
 
 /// Legal tolerances of a fit, mm.
@@ -292,9 +187,8 @@ impl IntoJob for FitRequest {
         let mut violations = Violations::default();
 
         check_polyline(&root.field("polyline"), &polyline, closed, limits, &mut violations);
-        let plane = plane.map(plane::Plane::from);
         let is_flat = polyline.first().is_some_and(Position::is_flat);
-        if is_flat && plane.is_some_and(|plane| plane != plane::Plane::Xy) {
+        if is_flat && plane.is_some_and(|plane| plane != Plane::Xy) {
             let detail = "points `[x, y]` lie in the xy plane: leave `plane` out, or send points `[x, y, z]`";
             violations.add(&root.field("plane"), FieldCode::Conflict, detail);
         }
@@ -304,14 +198,8 @@ impl IntoJob for FitRequest {
         let (setup, cutting, meta) = sent.convert(&mut violations);
         violations.result()?;
 
-        let fit = core_fit::Fit {
-            method: method.into(),
-            continuity: continuity.into(),
-            measure: measure.into(),
-            joints: joints.into(),
-            is_closed: closed,
-            ..core_fit::Fit::within(tolerance_mm)
-        };
+        let within = Fit::within(tolerance_mm);
+        let fit = Fit { method, continuity, measure, joints, is_closed: closed, ..within };
         let job = core::Job {
             points: polyline.into_iter().map(Into::into).collect(),
             plane,
@@ -340,60 +228,6 @@ fn check_polyline(
         if point.is_flat() != polyline[0].is_flat() {
             let detail = "the first point has another number of coordinates: send all points as `[x, y]`, or all as `[x, y, z]`";
             violations.add(&at.index(k), FieldCode::WrongLength, detail);
-        }
-    }
-}
-
-/// What the elements are like, with the proved distances.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct FitReport {
-    /// Number of points, coincident neighbours counted once.
-    n_points: usize,
-    /// Number of arcs.
-    n_arcs: usize,
-    /// Number of lines.
-    n_lines: usize,
-    /// Largest distance of the points from the elements, in mm. With `measure: polyline` the largest distance
-    /// between the elements and the lines between the points, measured from each to the other.
-    deviation_max_mm: f64,
-    /// Proved upper bound of `deviation_max_mm` for the elements as the program has them, rounded to its
-    /// decimals, in mm.
-    deviation_written_max_mm: f64,
-    /// Largest angle at which neighbouring elements meet, in degrees.
-    kink_max_deg: f64,
-    /// Number of joints with an angle above 0.01 degrees. With `continuity: tangent` these are the real
-    /// corners.
-    n_kinks: usize,
-    /// Length of the elements, in mm.
-    length_mm: f64,
-    /// Length divided by the feed, in s. Absent without `cutting`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cutting_time_s: Option<f64>,
-}
-
-impl From<core::Report> for FitReport {
-    fn from(report: core::Report) -> Self {
-        let core::Report {
-            n_points,
-            n_arcs,
-            n_lines,
-            deviation_max_mm,
-            deviation_written_max_mm,
-            kink_max_deg,
-            n_kinks,
-            length_mm,
-            cutting_time_s,
-        } = report;
-        Self {
-            n_points,
-            n_arcs,
-            n_lines,
-            deviation_max_mm,
-            deviation_written_max_mm,
-            kink_max_deg,
-            n_kinks,
-            length_mm,
-            cutting_time_s,
         }
     }
 }

@@ -3,13 +3,11 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::axis_output::AxisOutput;
-use super::cutting::Coolant;
 use super::dialect::DEFAULT;
-use super::names::from_core;
-use super::program::{SafeHome, Units};
+use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::program::{SafeHome, Units};
 use toolpathd_post::DIALECTS;
-use toolpathd_post::dialect::{Parabolas, Verification};
+use toolpathd_post::dialect::{Arcs, AxisOutput, Parabolas, Verification};
 
 /// The dialects in which programs can be written.
 #[derive(Debug, Serialize, ToSchema)]
@@ -28,7 +26,7 @@ pub struct Dialect {
     /// The controls that the dialect is for.
     description: &'static str,
     /// What has read programs of this dialect besides the reader with which the service checks each program.
-    verified_by: VerifiedBy,
+    verified_by: Verification,
     /// Extension of a program's file, without the dot.
     file_extension: &'static str,
     /// Number of decimals of a written coordinate where the request has no `program.decimals`.
@@ -44,7 +42,7 @@ pub struct Dialect {
     /// Largest number of characters of a line.
     max_line_length: usize,
     /// Units of programs.
-    units: Vec<Units>,
+    units: &'static [Units],
     /// The arcs that are written as arcs. All others become lines within the rounding of the program.
     arcs: Arcs,
     /// Whether parabolas at one height are written as parabolas. All others become lines.
@@ -52,9 +50,9 @@ pub struct Dialect {
     /// Legal values of `program.work_offset`.
     work_offsets: Vec<String>,
     /// Legal values of `program.safe_home`.
-    safe_home: Vec<SafeHome>,
+    safe_home: &'static [SafeHome],
     /// Legal values of `cutting.coolant`.
-    coolant: Vec<Coolant>,
+    coolant: &'static [Coolant],
     /// Whether programs can pause.
     dwells: bool,
     /// Whether programs hold comments: the name, `meta`, figures and warnings. Without comments, warnings are
@@ -68,35 +66,6 @@ pub struct Dialect {
     /// three axes.
     axis_output: Vec<AxisOutput>,
 }
-
-/// What has read programs of a dialect.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum VerifiedBy {
-    /// The interpreter of the control itself.
-    Interpreter,
-    /// The interpreter of another control, after words that it reads differently were translated.
-    RelatedInterpreter,
-    /// A reader that was written from published descriptions, apart from the writer. No control was at hand.
-    Reader,
-    /// Nothing. Try a program in the air first.
-    Unverified,
-}
-
-/// The arcs that a dialect writes as arcs.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Arcs {
-    /// No arcs.
-    AsLines,
-    /// Arcs in the planes XY, ZX and YZ, and no helices.
-    Flat,
-    /// Arcs in the planes XY, ZX and YZ, and helices.
-    WithHelices,
-}
-
-from_core!(Verification => VerifiedBy, [Interpreter, RelatedInterpreter, Reader, Unverified]);
-from_core!(toolpathd_post::dialect::Arcs => Arcs, [AsLines, Flat, WithHelices]);
 
 /// Numbers of decimals by units.
 #[derive(Debug, Serialize, ToSchema)]
@@ -125,22 +94,22 @@ impl From<&toolpathd_post::Dialect> for Dialect {
                 mm: dialect.default_decimals_mm,
                 inch: dialect.default_decimals_inch,
             },
-            verified_by: dialect.verification.into(),
+            verified_by: dialect.verification,
             max_decimals: dialect.max_decimals,
             max_feed_decimals: dialect.numbers.max_feed_decimals,
             max_program_number: dialect.max_program_number,
             max_line_length: dialect.max_line_length,
-            units: abilities.units.iter().map(|&units| units.into()).collect(),
-            arcs: dialect.curves.arcs.into(),
+            units: abilities.units,
+            arcs: dialect.curves.arcs,
             parabolas: dialect.curves.parabolas != Parabolas::AsLines,
             work_offsets: abilities.work_offsets.iter().map(|number| format!("G{number}")).collect(),
-            safe_home: abilities.safe_homes.iter().map(|&home| home.into()).collect(),
-            coolant: abilities.coolants.iter().map(|&coolant| coolant.into()).collect(),
+            safe_home: abilities.safe_homes,
+            coolant: abilities.coolants,
             dwells: abilities.has_dwells,
             comments: abilities.has_comments,
             needs_tool: abilities.needs_tool,
             length_offsets: abilities.length_offsets.is_some(),
-            axis_output: AxisOutput::all_of(dialect),
+            axis_output: dialect.five_axes.outputs().collect(),
         }
     }
 }

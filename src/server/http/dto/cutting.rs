@@ -1,12 +1,11 @@
 //! Cutting conditions in requests.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
-use super::names::{from_core, into_core};
 use crate::http::pointer::Pointer;
-use toolpathd_core::toolpath::cutting as core;
+use toolpathd_core::toolpath::cutting::{Coolant, CuttingRequest};
 use toolpathd_core::toolpath::units::{Acceleration, FeedRate};
 
 /// Cutting conditions: feeds, spindle, coolant and heights.
@@ -64,23 +63,10 @@ pub struct Cutting {
     retract_z_mm: Option<f64>,
 }
 
-/// The coolant of a program.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Coolant {
-    #[default]
-    Off,
-    Flood,
-    Mist,
-}
-
-into_core!(Coolant => core::Coolant, [Off, Flood, Mist]);
-from_core!(core::Coolant => Coolant, [Off, Flood, Mist]);
-
 impl Cutting {
     /// The conditions. Adds violations to `violations`. `None` where `feed_mm_per_min` cannot be a feed at
     /// all.
-    pub fn convert(self, at: &Pointer, violations: &mut Violations) -> Option<core::CuttingRequest> {
+    pub fn convert(self, at: &Pointer, violations: &mut Violations) -> Option<CuttingRequest> {
         let Self {
             feed_mm_per_min,
             plunge_feed_mm_per_min,
@@ -114,7 +100,7 @@ impl Cutting {
         for (name, height) in [("clearance_z_mm", clearance_z_mm), ("retract_z_mm", retract_z_mm)] {
             violations.optional(&at.field(name), height, Range::COORDINATE, "mm");
         }
-        Some(core::CuttingRequest {
+        Some(CuttingRequest {
             feed: cutting_feed?,
             plunge_feed,
             ramp_feed,
@@ -125,7 +111,7 @@ impl Cutting {
             rapid_feed,
             acceleration: acceleration_mm_per_s2.and_then(Acceleration::from_mm_per_s2),
             spindle_rpm,
-            coolant: coolant.into(),
+            coolant,
             clearance_z_mm,
             retract_z_mm,
         })

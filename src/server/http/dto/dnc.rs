@@ -28,9 +28,9 @@ pub struct DncTarget {
     /// Whether the sender keeps to the speed of the line. Otherwise the line sets the pace.
     is_paced: bool,
     /// How the control holds up the sender.
-    flow: FlowName,
+    flow: Flow,
     /// How lines end.
-    ends: EndsName,
+    ends: Ends,
     /// Whether a program without `%` at its start and end gets them.
     adds_marks: bool,
     /// Number of NUL characters before the program.
@@ -70,17 +70,8 @@ impl DncTarget {
             baud: settings.baud(),
             format: settings.format().to_string(),
             is_paced: target.is_paced(),
-            flow: match flow {
-                Flow::None => FlowName::None,
-                Flow::XonXoff => FlowName::XonXoff,
-                Flow::RtsCts => FlowName::RtsCts,
-                Flow::Grbl => FlowName::Grbl,
-            },
-            ends: match ends {
-                Ends::AsIs => EndsName::AsIs,
-                Ends::Lf => EndsName::Lf,
-                Ends::CrLf => EndsName::Crlf,
-            },
+            flow,
+            ends,
             adds_marks: marks == Marks::Add,
             leader: settings.leader(),
             trailer,
@@ -98,46 +89,6 @@ enum LineKind {
     Serial,
     /// A TCP connection to a device server.
     Tcp,
-}
-
-/// How a control holds up the sender.
-#[derive(Debug, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-enum FlowName {
-    /// Not at all.
-    None,
-    /// By the characters XON and XOFF.
-    XonXoff,
-    /// By the wires RTS and CTS.
-    RtsCts,
-    /// By the answer of GRBL to each line.
-    Grbl,
-}
-
-/// How lines end.
-#[derive(Debug, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-enum EndsName {
-    /// As in the program.
-    AsIs,
-    /// With LF.
-    Lf,
-    /// With CR LF.
-    Crlf,
-}
-
-/// What is known of the arrival of the characters.
-#[derive(Debug, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-enum Arrival {
-    /// The serial port has put all characters on the wire. The control has confirmed nothing.
-    Transmitted,
-    /// The system has all characters for the other side of the connection, which has confirmed nothing.
-    HandedOver,
-    /// The other side has received all characters and closed the connection.
-    PeerClosed,
-    /// GRBL has answered every line.
-    Answered,
 }
 
 /// A program that was sent to its end.
@@ -160,7 +111,7 @@ pub struct SentProgram {
     /// What is known of the arrival of the characters: the serial port has `transmitted` them, the system has
     /// them for the other side of the connection (`handed_over`), the other side has received them and closed
     /// the connection (`peer_closed`), or GRBL has `answered` every line.
-    arrival: Arrival,
+    arrival: Delivery,
 }
 
 impl SentProgram {
@@ -173,12 +124,7 @@ impl SentProgram {
             n_pauses: outcome.n_pauses,
             waited_s: milliseconds(outcome.waited.as_secs_f64()),
             n_received: outcome.n_received,
-            arrival: match outcome.delivery {
-                Some(Delivery::Transmitted) => Arrival::Transmitted,
-                Some(Delivery::HandedOver) | None => Arrival::HandedOver,
-                Some(Delivery::PeerClosed) => Arrival::PeerClosed,
-                Some(Delivery::Answered) => Arrival::Answered,
-            },
+            arrival: outcome.delivery.unwrap_or(Delivery::HandedOver),
         }
     }
 }

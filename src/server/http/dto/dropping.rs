@@ -1,12 +1,9 @@
-//! The request to lower a cutter onto a surface, and the report of the places where the cutter touches the
-//! surface.
+//! The request to lower a cutter onto a surface.
 
 use nalgebra::Point2;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use utoipa::ToSchema;
 use utoipa::openapi::Ref;
-use utoipa::openapi::schema::ArrayBuilder;
-use utoipa::openapi::schema::{ObjectBuilder, OneOfBuilder, Type};
 
 use super::check::Violations;
 use super::meta::{self, Meta, MetaTexts};
@@ -15,7 +12,6 @@ use super::schema::{array_of, schema_of};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
-use crate::http::answer_point::Place;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::ApiError;
@@ -74,37 +70,5 @@ fn check_points(points: &[PlanePoint], at: &Pointer, limits: &Limits, violations
     }
     for (k, point) in points.iter().enumerate().filter(|(_, point)| !point.is_legal()) {
         point.check_in(at, k, violations);
-    }
-}
-
-/// Where the cutter touches.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct DropReport {
-    /// For each point the position of the cutter's tip, in mm, when the cutter, lowered from above, first
-    /// touches the surface. `null` where the cutter misses the surface.
-    #[schema(value_type = Places)]
-    tips: Vec<Option<Place>>,
-    /// For each point a place where the cutter then touches the surface, in mm. `null` where the cutter
-    /// misses the surface.
-    #[schema(value_type = Places)]
-    contacts: Vec<Option<Place>>,
-    /// Proved bound of how far a tip is below its exact height, in mm. No tip is above its exact height.
-    /// Floating-point rounding is not included in either statement.
-    gap_max_mm: f64,
-}
-
-schema_of!(Places, "Points `[x, y, z]`, in mm, or `null`.", {
-    let null = ObjectBuilder::new().schema_type(Type::Null);
-    ArrayBuilder::new().items(OneOfBuilder::new().item(Ref::from_schema_name(Place::name())).item(null))
-});
-
-impl From<&[Option<core::Location>]> for DropReport {
-    fn from(locations: &[Option<core::Location>]) -> Self {
-        let all = || locations.iter();
-        Self {
-            tips: all().map(|at| at.map(|location| location.tip.into())).collect(),
-            contacts: all().map(|at| at.map(|location| location.contact.into())).collect(),
-            gap_max_mm: all().flatten().map(|location| location.gap_mm).fold(0.0, f64::max),
-        }
     }
 }

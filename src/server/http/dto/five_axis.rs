@@ -1,9 +1,9 @@
-//! The request to smooth a path of five axes, and the report and the samples of the motion.
+//! The request to smooth a path of five axes, and the samples of the motion.
 
 mod limits;
 mod machine;
 mod mtconnect;
-mod report;
+mod samples;
 
 use nalgebra::Point3;
 use serde::Deserialize;
@@ -11,11 +11,10 @@ use utoipa::ToSchema;
 use utoipa::openapi::Ref;
 
 use super::axis::{self, AxisDirection};
-use super::axis_output::{AxisOutput, AxisSetup};
+use super::axis_output::AxisSetup;
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
 use super::meta::{Meta, MetaTexts};
-use super::names::into_core;
 use super::point::{Coordinates, Point};
 use super::program::Program;
 use super::schema::{array_of, schema_of};
@@ -28,12 +27,13 @@ use crate::http::messages;
 use crate::http::pointer::Pointer;
 use limits::SentLimits;
 pub use machine::{Machines, SentMachine, SentRotary};
-pub use report::{Sample, SampleMembers, SmoothMembers, SmoothQuery, SmoothReport};
+pub use samples::{Sample, SampleMembers, SmoothMembers, SmoothQuery};
 use toolpathd_core::machine::{Machine, Straying};
-use toolpathd_core::operations::five_axis as core;
+use toolpathd_core::operations::five_axis::{self as core, Method};
 use toolpathd_core::toolpath::cutting::CuttingRequest;
 use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_post::AxisOutput;
 use toolpathd_post::path_text::{self, PathTextError, Reading};
 
 /// Default of `top_distance_mm`: the axis of a tool of usual length, mm.
@@ -81,7 +81,7 @@ pub struct SmoothRequest {
     /// How the path is smoothed.
     #[serde(default)]
     #[schema(default = "interpolating")]
-    method: SmoothMethod,
+    method: Method,
     /// The machine whose axes move. Samples then hold the positions of the axes. Default: none.
     #[serde(default, deserialize_with = "object::optional")]
     machine: Option<SentMachine>,
@@ -138,24 +138,6 @@ pub struct SentPose {
 schema_of!(PoseList, "Poses of a tool.", {
     array_of(Ref::from_schema_name("ToolPose"), 2, Limits::DEFAULT.curve_points)
 });
-
-/// A way to smooth a path.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SmoothMethod {
-    /// Splines through all poses with two continuous derivatives, and blends at corners.
-    #[default]
-    Interpolating,
-    /// Splines of few pieces and of the least jerk within the tolerances, with four continuous derivatives,
-    /// and blends at corners. For data with noise, and for rounded data.
-    Tube,
-    /// The method of Ahn and Jee. It may leave the tolerances; the report says by how much.
-    Paper,
-    /// The given path, with a stop at every pose.
-    Linear,
-}
-
-into_core!(SmoothMethod => core::Method, [Interpolating, Tube, Paper, Linear]);
 
 /// A request in the core's terms.
 #[derive(Debug)]
@@ -230,7 +212,7 @@ impl IntoJob for SmoothRequest {
             tolerance_axis: tolerance_deg.to_radians(),
             swing_mm,
             top_mm,
-            method: method.into(),
+            method,
             period_s: sample_period_ms.unwrap_or(DEFAULT_PERIOD_MS) * 1e-3,
             machine,
             limits: motion,

@@ -1,13 +1,12 @@
-//! The request to interpolate a curve, its conversion to a job, and the report.
+//! The request to interpolate a curve, and its conversion to a job.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
 use super::curve::Curve;
 use super::cutting::Cutting;
 use super::meta::{Meta, MetaTexts};
-use super::names::into_core;
 use super::program::Program;
 use super::setup::{JobWithSetup, SentSetup};
 use super::tool::Tool;
@@ -16,10 +15,8 @@ use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
-use toolpathd_core::geometry::deviation as core_band;
-use toolpathd_core::geometry::deviation::Element;
-use toolpathd_core::geometry::segment::Segment;
-use toolpathd_core::operations::interpolation as core;
+use toolpathd_core::geometry::deviation::{self, Measure};
+use toolpathd_core::operations::interpolation::{self as core, Joints, Method};
 
 /// Legal widths of each side of a band, mm. One side may be zero.
 const SIDES: Range = Range { min: 0.0, max: 10.0 };
@@ -92,19 +89,6 @@ fn one() -> u32 {
     1
 }
 
-/// The kind of elements.
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = InterpolationMethod)]
-pub enum Method {
-    Linear,
-    Parabolic,
-    /// Lines where lines stay within the band, else parabolas.
-    Mixed,
-    /// Arcs, and lines where arcs would be too flat.
-    Arc,
-}
-
 /// How the curve is divided.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
@@ -112,16 +96,6 @@ pub enum Subdivision {
     #[default]
     Bisection,
     Least,
-}
-
-/// Where elements meet.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = InterpolationJoints)]
-pub enum Joints {
-    #[default]
-    OnCurve,
-    InBand,
 }
 
 /// The side of the contour on which the cutter runs.
@@ -153,22 +127,8 @@ pub struct Band {
     measure: Measure,
 }
 
-/// How the distance from the curve is measured.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = BandMeasure)]
-pub enum Measure {
-    #[default]
-    Normal,
-    Vertical,
-}
-
-into_core!(Method => core::Method, [Linear, Parabolic, Mixed, Arc]);
-into_core!(Joints => core::Joints, [OnCurve, InBand]);
-into_core!(Measure => core_band::Measure, [Normal, Vertical]);
-
 impl Band {
-    fn convert(self, at: &Pointer, violations: &mut Violations) -> core_band::Band {
+    fn convert(self, at: &Pointer, violations: &mut Violations) -> deviation::Band {
         let Self { below_mm, above_mm, measure } = self;
         violations.number(&at.field("below_mm"), below_mm, SIDES, "mm");
         violations.number(&at.field("above_mm"), above_mm, SIDES, "mm");
@@ -179,7 +139,7 @@ impl Band {
             );
             violations.add(at, FieldCode::OutOfRange, detail);
         }
-        core_band::Band { below_mm, above_mm, measure: measure.into() }
+        deviation::Band { below_mm, above_mm, measure }
     }
 }
 
@@ -228,10 +188,10 @@ impl IntoJob for InterpolateRequest {
 
         let job = core::Job {
             curve: curve.into(),
-            method: method.into(),
+            method,
             subdivision: match subdivision {
                 Subdivision::Bisection => core::Subdivision::Bisection,
-                Subdivision::Least => core::Subdivision::Least(joints.into()),
+                Subdivision::Least => core::Subdivision::Least(joints),
             },
             initial_elements: initial_elements as usize,
             band,
@@ -244,100 +204,5 @@ impl IntoJob for InterpolateRequest {
             curves: setup.dialect.curves,
         };
         Ok(JobWithSetup { job, setup, meta })
-    }
-}
-
-/// The shape of an element.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ElementShape)]
-pub enum Shape {
-    Line,
-    Parabola,
-    Arc,
-}
-
-impl From<&Element> for Shape {
-    fn from(element: &Element) -> Self {
-        match element {
-            Element::Segment(Segment::Line { .. }) => Self::Line,
-            Element::Segment(Segment::Arc(_)) => Self::Arc,
-            Element::Parabola { .. } => Self::Parabola,
-        }
-    }
-}
-
-/// One element of the interpolation.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-#[schema(as = InterpolatedElement)]
-pub struct ReportedElement {
-    /// The shape of the element.
-    shape: Shape,
-    /// Number of the initial part of the curve to which the element belongs, counted from 1.
-    initial_element: usize,
-    /// Where on the curve the element begins and ends: x in mm for a graph, else the curve's parameter, a
-    /// plain number.
-    domain: [f64; 2],
-    /// Proved largest distance of the element from the curve, in mm, by the `measure` of the band.
-    deviation_mm: f64,
-}
-
-/// What the elements are like, with the proved distances.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct InterpolateReport {
-    /// Number of elements.
-    n_elements: usize,
-    /// Proved: any division of the curve with this `method` and these `joints` has at least this number of
-    /// elements. Absent where `bisection` makes more than 10,000 elements, and where the service finds no
-    /// bound.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    n_elements_lower_bound: Option<usize>,
-    /// Number of elements in each initial part of the curve.
-    elements_per_initial: Vec<usize>,
-    /// Length of the cutting path, in mm.
-    length_mm: f64,
-    /// Length divided by the feed, in s. Absent without `cutting`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cutting_time_s: Option<f64>,
-    /// Proved largest distance of an element from the curve, in mm, by the `measure` of the band.
-    deviation_max_mm: f64,
-    /// Proved upper bound of `deviation_max_mm` for the elements as the program has them, rounded to its
-    /// decimals, in mm. Absent with `compensation: left` or `right`, and with `measure: vertical`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    deviation_written_max_mm: Option<f64>,
-    /// The elements, in the order of the curve.
-    elements: Vec<ReportedElement>,
-}
-
-impl From<core::Report> for InterpolateReport {
-    fn from(report: core::Report) -> Self {
-        let core::Report {
-            elements,
-            elements_per_initial,
-            n_elements_lower_bound,
-            length_mm,
-            cutting_time_s,
-            deviation_max_mm,
-            deviation_written_max_mm,
-        } = report;
-        let reported = |element: &core::ReportedElement| {
-            let core::ReportedElement { element, initial_element, domain, spread } = element;
-            ReportedElement {
-                shape: element.into(),
-                initial_element: initial_element + 1,
-                domain: *domain,
-                deviation_mm: spread.largest_mm(),
-            }
-        };
-        Self {
-            n_elements: elements.len(),
-            n_elements_lower_bound,
-            elements_per_initial,
-            length_mm,
-            cutting_time_s,
-            deviation_max_mm,
-            deviation_written_max_mm,
-            elements: elements.iter().map(reported).collect(),
-        }
     }
 }

@@ -1,25 +1,23 @@
-//! The request to mill a surface, its conversion to a job, and the report.
+//! The request to mill a surface, and its conversion to a job.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::approach::{Entry, Exit, Stock};
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
 use super::meta::{Meta, MetaTexts};
-use super::names::into_core;
 use super::program::Program;
 use super::setup::{JobWithSetup, SentSetup};
-use super::strategy::{Boundary, Sections, Strategy};
+use super::strategy::{Sections, Strategy};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
-use crate::http::answer_point::Place;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
-use toolpathd_core::operations::surface_milling as core;
+use toolpathd_core::operations::surface_milling::{self as core, Boundary, Engine, Interpolation};
 use toolpathd_core::toolpath::units::Tolerance;
 
 /// A surface to be milled.
@@ -83,27 +81,6 @@ pub struct MillRequest {
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
-
-/// What joins the CL points.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Interpolation {
-    #[default]
-    Arcs,
-    Lines,
-}
-
-/// How the CL points are found.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Engine {
-    #[default]
-    Contact,
-    OffsetSection,
-}
-
-into_core!(Interpolation => core::Interpolation, [Arcs, Lines]);
-into_core!(Engine => core::Engine, [Contact, OffsetSection]);
 
 /// Refuses a surface that is far smaller than the cutter. Its points were probably sent in metres or inches.
 /// `extent` is the size along x and along y, mm.
@@ -213,17 +190,17 @@ impl IntoJob for MillRequest {
         let job = core::Job {
             surface: surface.into(),
             tool: checked_tool,
-            engine: engine.into(),
+            engine,
             plane,
             spacing,
-            boundary: boundary.into(),
+            boundary,
             direction,
             tolerance,
             allowance_mm: allowance_mm.unwrap_or(0.0),
             stock,
             entry: entry.unwrap_or_default(),
             exit: exit.unwrap_or_default(),
-            interpolation: interpolation.into(),
+            interpolation,
             step_length_mm,
             cutting,
             resolution: setup.program.resolution,
@@ -233,71 +210,5 @@ impl IntoJob for MillRequest {
             point_limit: limits.cl_points,
         };
         Ok(JobWithSetup { job, setup, meta })
-    }
-}
-
-/// What the passes are like, with the proved distances.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub struct MillReport {
-    /// Number of passes.
-    n_passes: usize,
-    /// Number of CL points.
-    n_cl_points: usize,
-    /// Distance of neighbouring planes or wires as cut, in mm.
-    stepover_mm: f64,
-    /// Proved largest distance between the exact path and the written path, in mm, measured from each to the
-    /// other.
-    deviation_max_mm: f64,
-    /// Proved largest depth to which the cutter cuts into the finished surface, in mm.
-    gouge_max_mm: f64,
-    /// Where the deepest cut into the surface was found, in mm. `null` where no cut was found; `gouge_max_mm`
-    /// may be above 0 nevertheless, because it is a bound.
-    gouge_at: Option<Place>,
-    /// Largest thickness found of the material that the cutter cannot reach at concave places, in mm along
-    /// the normal of the surface. The value is the largest of some thousand samples, not a bound. `null` with
-    /// `engine: offset_section`, which refuses such surfaces, and with `wire_union`.
-    rest_sampled_max_mm: Option<f64>,
-    /// Where `rest_sampled_max_mm` was found, in mm. `null` where no such material was found.
-    rest_at: Option<Place>,
-    /// Proved largest height of the material left between passes, in mm along the normal of the surface; the
-    /// deviation of the passes is not included. The bound does not cover places beside an edge of the surface
-    /// from which the way along the surface to the next pass leads beyond the edge. `null` where the cuts of
-    /// neighbouring passes do not overlap everywhere, where the cutter is no ball or cannot follow the
-    /// surface everywhere, and with `wire_union`.
-    scallop_max_mm: Option<f64>,
-    /// Number of arcs.
-    n_arcs: usize,
-    /// Number of lines.
-    n_lines: usize,
-}
-
-impl From<&core::Report> for MillReport {
-    fn from(report: &core::Report) -> Self {
-        let &core::Report {
-            n_passes,
-            n_cl_points,
-            stepover_mm,
-            deviation_max_mm,
-            gouge_max_mm,
-            gouge_at,
-            rest_sampled_max_mm,
-            rest_at,
-            scallop_max_mm,
-            n_arcs,
-            n_lines,
-        } = report;
-        Self {
-            n_passes,
-            n_cl_points,
-            stepover_mm,
-            deviation_max_mm,
-            gouge_max_mm,
-            gouge_at: gouge_at.map(Place::from),
-            rest_sampled_max_mm,
-            rest_at: rest_at.map(Place::from),
-            scallop_max_mm,
-            n_arcs,
-            n_lines,
-        }
     }
 }

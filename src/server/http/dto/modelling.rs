@@ -1,16 +1,13 @@
 //! The request to describe a surface, and the report.
 
-use nalgebra::Point3;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize, Serializer};
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
 use super::meta::{self, Meta, MetaTexts};
-use super::names::into_core;
 use super::surface::Surface;
-use super::toolpath::Bounds;
 use crate::config::Limits;
-use crate::http::answer_point::Place;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::ApiError;
@@ -19,8 +16,10 @@ use toolpathd_core::geometry::surface::any_surface::AnySurface;
 use toolpathd_core::geometry::surface::{
     BezierSurface, BicubicPatch, Patch as _, RationalPatch, Surface as _,
 };
-use toolpathd_core::machining::wire_model::{self, Wire};
+use toolpathd_core::machining::wire_model::{self, Along, Wire};
 use toolpathd_core::operations::surface_model as core;
+use toolpathd_core::toolpath::measure::Bounds;
+use toolpathd_core::wire::Place;
 
 /// Most control points of all patches in one answer: those of 20,000 bicubic patches.
 pub const MAX_CONTROL_POINTS: usize = 320_000;
@@ -62,22 +61,11 @@ pub struct Wires {
     /// constant y. `y`: along y, at constant x.
     #[serde(default)]
     #[schema(default = "u")]
-    direction: WireDirection,
+    direction: Along,
     /// Largest distance of a wire from the straight lines between its points, in mm. A larger value makes
     /// fewer points.
     #[schema(minimum = 0.000_001, maximum = 10, default = 0.01)]
     chord_height_mm: Option<f64>,
-}
-
-/// What wires run along.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum WireDirection {
-    #[default]
-    U,
-    V,
-    X,
-    Y,
 }
 
 /// A request in the core's terms.
@@ -87,8 +75,6 @@ pub struct ModelJob {
     pub with_patches: bool,
     pub meta: Option<Meta>,
 }
-
-into_core!(WireDirection => wire_model::Along, [U, V, X, Y]);
 
 impl IntoJob for ModelRequest {
     type Job = ModelJob;
@@ -114,7 +100,7 @@ impl Wires {
         violations.number(&at.field("pitch_mm"), pitch_mm, Range::POSITIVE, "mm");
         violations.optional(&at.field("chord_height_mm"), chord_height_mm, CHORD_HEIGHT, "mm");
         wire_model::WireJob {
-            along: direction.into(),
+            along: direction,
             pitch_mm,
             chord_height_mm: chord_height_mm.unwrap_or(DEFAULT_CHORD_HEIGHT_MM),
             wire_limit: limits.sections,
@@ -140,7 +126,7 @@ pub struct ModelReport {
     bounds: Bounds,
     /// The wires as polylines: points on the surface, in mm. Where a wire leaves the surface and comes back,
     /// a new polyline begins. Absent without `wires` in the request.
-    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_wires")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Vec<Vec<Place>>>)]
     wires: Option<Vec<Wire>>,
     /// Largest distance between the given points and the surface through these points, in mm. `null` for
@@ -160,7 +146,7 @@ impl ModelReport {
         Self {
             n_patches: nu * nv,
             patches: with_patches.then_some(model.surface),
-            bounds: Bounds { min: min.into(), max: max.into() },
+            bounds: Bounds { min, max },
             wires: model.wires,
             fit_deviation_max_mm: model.fit_deviation_max_mm,
             curvature_max_concave_per_mm: model.curvature_max_concave_per_mm,
@@ -172,7 +158,8 @@ impl ModelReport {
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum Patch {
-    Bicubic(Box<[[Place; 4]; 4]>),
+    #[schema(value_type = [[Place; 4]; 4])]
+    Bicubic(Box<[[Vector3<f64>; 4]; 4]>),
     General(GeneralPatch),
 }
 
@@ -182,14 +169,15 @@ pub struct GeneralPatch {
     /// Degrees along u and along v: two counts.
     degree: [usize; 2],
     /// Control points in mm: `net[a][b]`, a along u. The coordinates are not multiplied by the weights.
-    net: Vec<Vec<Place>>,
+    #[schema(value_type = Vec<Vec<Place>>)]
+    net: Vec<Vec<Vector3<f64>>>,
     /// Weights of the control points: plain numbers.
     weights: Vec<Vec<f64>>,
 }
 
 impl From<&BicubicPatch> for Patch {
     fn from(patch: &BicubicPatch) -> Self {
-        Self::Bicubic(Box::new(patch.net.map(|row| row.map(|p| Place::from(Point3::from(p))))))
+        Self::Bicubic(Box::new(patch.net))
     }
 }
 
@@ -199,7 +187,7 @@ impl<const N: usize> From<&RationalPatch<N>> for Patch {
         let rows = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
             (0..=p).map(|a| (0..=q).map(|b| of(a, b)).collect()).collect()
         };
-        let mut points = patch.control_points().map(|p| Place::from(Point3::from(p)));
+        let mut points = patch.control_points();
         Self::General(GeneralPatch {
             degree: [p, q],
             net: (0..=p).map(|_| points.by_ref().take(q + 1).collect()).collect(),
@@ -225,9 +213,4 @@ where
 {
     let [nu, nv] = surface.spans();
     (0..nu).map(move |i| (0..nv).map(|j| Patch::from(surface.patch(i, j))).collect())
-}
-
-fn write_wires<S: Serializer>(wires: &Option<Vec<Wire>>, serializer: S) -> Result<S::Ok, S::Error> {
-    let points = |wire: &Wire| wire.iter().map(|p| Place::from(*p)).collect::<Vec<_>>();
-    serializer.collect_seq(wires.iter().flatten().map(points))
 }

@@ -5,13 +5,12 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::axis::{AxisDirection, components};
-use super::names::{from_core, into_core};
 use super::point::{Coordinates, Point};
 use crate::http::decode::tagged::{Kind, by_kind};
-use toolpathd_core::geometry::curve::{self, Curve};
-use toolpathd_core::geometry::plane;
-use toolpathd_core::toolpath as core;
+use toolpathd_core::geometry::curve::{Curve, Direction};
+use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::units::FeedRate;
+use toolpathd_core::toolpath::{self as core, Role};
 
 by_kind! {
     /// One move of the tool's tip; `kind` says which. The move starts where the move before ended.
@@ -163,38 +162,6 @@ pub struct DwellMove {
     pub seconds: f64,
 }
 
-/// What a feed move is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Role {
-    #[default]
-    Cut,
-    Plunge,
-    Ramp,
-    LeadIn,
-    Link,
-    LeadOut,
-}
-
-/// The plane of an arc: `xy` (G17), `zx` (G18) or `yz` (G19).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ArcPlane)]
-pub enum Plane {
-    Xy,
-    Zx,
-    Yz,
-}
-
-/// The direction of an arc: `cw` (G2) or `ccw` (G3).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = ArcDirection)]
-pub enum Direction {
-    Cw,
-    Ccw,
-}
-
 impl Move {
     /// A move of the core with the tool axis at its end, which is written where it is given.
     pub fn new(step: &core::Move, axis: Option<UnitVector3<f64>>) -> Self {
@@ -202,21 +169,17 @@ impl Move {
         let (_kind, feed) = (Kind, |rate: Option<FeedRate>| rate.map(FeedRate::mm_per_min));
         match *step {
             core::Move::Rapid { line } => Self::Rapid(RapidMove { _kind, to: line.end.into(), axis }),
-            core::Move::Feed { along: Curve::Line(line), rate, role } => Self::Line(LineMove {
-                _kind,
-                to: line.end.into(),
-                feed_mm_per_min: feed(rate),
-                role: role.into(),
-                axis,
-            }),
+            core::Move::Feed { along: Curve::Line(line), rate, role } => {
+                Self::Line(LineMove { _kind, to: line.end.into(), feed_mm_per_min: feed(rate), role, axis })
+            }
             core::Move::Feed { along: Curve::Arc(arc), rate, role } => Self::Arc(ArcMove {
                 _kind,
                 to: arc.end().into(),
                 center: arc.center().into(),
-                plane: arc.plane().into(),
-                direction: arc.direction().into(),
+                plane: arc.plane(),
+                direction: arc.direction(),
                 feed_mm_per_min: feed(rate),
-                role: role.into(),
+                role,
                 axis,
             }),
             core::Move::Feed { along: Curve::Parabola(parabola), rate, role } => {
@@ -225,13 +188,13 @@ impl Move {
                     to: parabola.end().into(),
                     control: parabola.control().into(),
                     feed_mm_per_min: feed(rate),
-                    role: role.into(),
+                    role,
                     axis,
                 })
             }
             core::Move::Turn { seconds, role, .. } => {
                 let axis = axis.unwrap_or(Coordinates([0.0, 0.0, 1.0]));
-                Self::Turn(TurnMove { _kind, axis, seconds, role: role.into() })
+                Self::Turn(TurnMove { _kind, axis, seconds, role })
             }
             core::Move::Dwell { seconds } => Self::Dwell(DwellMove { _kind, seconds }),
         }
@@ -249,10 +212,3 @@ impl Move {
         }
     }
 }
-
-into_core!(Role => core::Role, [Cut, Plunge, Ramp, LeadIn, Link, LeadOut]);
-from_core!(core::Role => Role, [Cut, Plunge, Ramp, LeadIn, Link, LeadOut]);
-into_core!(Plane => plane::Plane, [Xy, Zx, Yz]);
-from_core!(plane::Plane => Plane, [Xy, Zx, Yz]);
-into_core!(Direction => curve::Direction, [Cw, Ccw]);
-from_core!(curve::Direction => Direction, [Cw, Ccw]);

@@ -2,7 +2,6 @@
 
 mod cleared;
 mod relief;
-pub mod report;
 
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -10,7 +9,6 @@ use utoipa::ToSchema;
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
 use super::meta::{Meta, MetaTexts};
-use super::names::{from_core, into_core};
 use super::outline::Region;
 use super::program::Program;
 use super::schema::{array_of, schema_of};
@@ -23,7 +21,7 @@ use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
 pub use cleared::Cleared;
 use relief::{Heights, IslandsBy, SentRelief};
-use toolpathd_core::operations::pocketing as core;
+use toolpathd_core::operations::pocketing::{self as core, ChooseBy, Milling, Pattern};
 use utoipa::openapi::Ref;
 
 /// A pocket to be cleared.
@@ -86,7 +84,7 @@ pub struct PocketRequest {
     /// `conventional`: on the left. Rows to and fro have it on both sides in turn.
     #[serde(default)]
     #[schema(default = "climb")]
-    direction: Direction,
+    direction: Milling,
     /// Feeds, spindle, coolant and heights.
     #[serde(deserialize_with = "object::required")]
     cutting: Cutting,
@@ -99,54 +97,11 @@ pub struct PocketRequest {
     meta: Option<Meta>,
 }
 
-/// A way to clear a level. All but `engagement` have a pass along walls and islands of their own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Pattern {
-    /// Rings about the islands, outward.
-    IslandOffset,
-    /// Rings beside the wall and the islands at once.
-    IslandStockOffset,
-    /// Rows to and fro up to walls and islands.
-    ZigzagOffset,
-    /// Rows to and fro only where the pass along walls and islands leaves material.
-    ZigzagStockOffset,
-    /// Rows up to the wall that go around islands and on.
-    ContinuousOffset,
-    /// Rows that go around islands and on, and end inside the pass along the wall.
-    ContinuousStockOffset,
-    /// Passes whose angle in the material is bounded.
-    Engagement,
-}
-
 schema_of!(Patterns, "Patterns, each once.", { array_of(Ref::from_schema_name("Pattern"), 1, 7) });
 
 schema_of!(ClearedList, "Emptied places.", {
     array_of(Ref::from_schema_name("ClearedPlaces"), 0, MOST_CLEARED)
 });
-
-/// The figure by which a pattern is chosen.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ChooseBy {
-    /// The time of all moves at their feeds, entries and slots included.
-    #[default]
-    Time,
-    /// The paper's time: cutting length by feed, and rapid length by traverse rate.
-    PaperTime,
-    /// The estimated time on a machine that accelerates and brakes.
-    TimeWithAcceleration,
-}
-
-/// The side on which the material is.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = MillingDirection)]
-pub enum Direction {
-    #[default]
-    Climb,
-    Conventional,
-}
 
 /// How the cutter comes down into the material: on the largest helix that fits, else on a ramp along the
 /// pass, else straight down.
@@ -173,17 +128,6 @@ pub struct PocketEntry {
 fn yes() -> bool {
     true
 }
-
-into_core!(Pattern => core::Pattern, [
-    IslandOffset, IslandStockOffset, ZigzagOffset, ZigzagStockOffset, ContinuousOffset, ContinuousStockOffset,
-    Engagement
-]);
-from_core!(core::Pattern => Pattern, [
-    IslandOffset, IslandStockOffset, ZigzagOffset, ZigzagStockOffset, ContinuousOffset, ContinuousStockOffset,
-    Engagement
-]);
-into_core!(ChooseBy => core::ChooseBy, [Time, PaperTime, TimeWithAcceleration]);
-into_core!(Direction => core::Milling, [Climb, Conventional]);
 
 /// The most emptied places.
 const MOST_CLEARED: usize = 1000;
@@ -294,10 +238,10 @@ impl IntoJob for PocketRequest {
             roughing_allowance_mm,
             tool: checked_tool,
             stepover_mm,
-            patterns: patterns.unwrap_or_else(|| core::Pattern::ALL.to_vec()),
-            choose_by: choose_by.into(),
+            patterns: patterns.unwrap_or_else(|| Pattern::ALL.to_vec()),
+            choose_by,
             entry,
-            milling: direction.into(),
+            milling: direction,
             cutting,
             resolution: setup.program.resolution,
             curves: setup.dialect.curves,
@@ -319,7 +263,7 @@ fn emptied(cleared: Vec<Cleared>, limits: &Limits, violations: &mut Violations) 
     cleared.into_iter().enumerate().filter_map(convert).collect()
 }
 
-fn checked_patterns(at: &Pointer, patterns: Vec<Pattern>, violations: &mut Violations) -> Vec<core::Pattern> {
+fn checked_patterns(at: &Pointer, patterns: Vec<Pattern>, violations: &mut Violations) -> Vec<Pattern> {
     if patterns.is_empty() {
         violations.add(at, FieldCode::WrongLength, "the list is empty; send at least one pattern");
     }
@@ -328,5 +272,5 @@ fn checked_patterns(at: &Pointer, patterns: Vec<Pattern>, violations: &mut Viola
             violations.add(&at.index(k), FieldCode::Conflict, "the pattern stands twice; send it once");
         }
     }
-    patterns.into_iter().map(Into::into).collect()
+    patterns
 }

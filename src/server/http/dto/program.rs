@@ -1,17 +1,16 @@
 //! The member `program` of requests: how the service writes the NC program.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::Violations;
 use super::dialect::{self, DialectName};
 use super::meta::MAX_TEXT_CHARACTERS;
-use super::names::{from_core, into_core};
 use crate::http::decode::object;
 use crate::http::error::FieldCode;
 use crate::http::messages;
 use crate::http::pointer::Pointer;
-use toolpathd_core::toolpath::program as core;
+use toolpathd_core::toolpath::program::{self as core, SafeHome, Units};
 use toolpathd_post::{Dialect, MAX_LINES};
 
 /// The smallest and the largest legal number of a program.
@@ -56,53 +55,8 @@ pub struct Program {
     /// Lines of your own in the program. The service checks each line, writes it as it is, and behind the
     /// lines sets the modes of the program again. Default: none.
     #[serde(default, deserialize_with = "object::required")]
-    custom: Custom,
+    custom: core::Custom,
 }
-
-/// Lines of your own in a program: words of a letter and a number, or a comment. A line may call programs and
-/// macros of yours. It may move axes only to places of the machine (G28, G30, G53; SUPA on Siemens; M91 in
-/// Klartext). It may not end or leave the program, nor change units or coordinates for later blocks. Only
-/// lines of `header` may select a work offset; `work_offset` comes after them.
-#[derive(Debug, Default, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Custom {
-    /// Lines before the first line that sets modes, in order.
-    #[serde(default)]
-    #[schema(max_items = 50)]
-    header: Vec<String>,
-    /// Lines in place of the line that changes the tool, in order.
-    #[serde(default)]
-    #[schema(max_items = 50)]
-    tool_change: Vec<String>,
-    /// Lines before the line that ends the program, in order.
-    #[serde(default)]
-    #[schema(max_items = 50)]
-    footer: Vec<String>,
-}
-
-/// The way up along Z before the tool change and before the end of the program.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SafeHome {
-    #[default]
-    None,
-    G28,
-    G53,
-}
-
-/// Units of a written program.
-#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Units {
-    #[default]
-    Mm,
-    Inch,
-}
-
-from_core!(core::Units => Units, [Mm, Inch]);
-into_core!(Units => core::Units, [Mm, Inch]);
-into_core!(SafeHome => core::SafeHome, [None, G28, G53]);
-from_core!(core::SafeHome => SafeHome, [None, G28, G53]);
 
 /// A work offset of the control.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
@@ -113,13 +67,6 @@ pub enum WorkOffset {
     G57 = 57,
     G58 = 58,
     G59 = 59,
-}
-
-impl Custom {
-    fn to_core(&self) -> core::Custom {
-        let Self { header, tool_change, footer } = self;
-        core::Custom { header: header.clone(), tool_change: tool_change.clone(), footer: footer.clone() }
-    }
 }
 
 impl Program {
@@ -152,8 +99,8 @@ impl Program {
         }
     }
 
-    fn check_custom(custom: &Custom, dialect: &Dialect, at: &Pointer, violations: &mut Violations) {
-        let Custom { header, tool_change, footer } = custom;
+    fn check_custom(custom: &core::Custom, dialect: &Dialect, at: &Pointer, violations: &mut Violations) {
+        let core::Custom { header, tool_change, footer } = custom;
         for (field, lines) in [("header", header), ("tool_change", tool_change), ("footer", footer)] {
             if lines.len() > MAX_LINES {
                 let detail = format!("{} lines are too many; send at most {MAX_LINES}", lines.len());
@@ -161,7 +108,7 @@ impl Program {
                 return;
             }
         }
-        for refused in toolpathd_post::refused(dialect, &custom.to_core()) {
+        for refused in toolpathd_post::refused(dialect, custom) {
             let (at, detail) = messages::refused(&refused);
             violations.add(&at, FieldCode::Unsupported, detail);
         }
@@ -181,13 +128,13 @@ impl Program {
             .filter(|value| (1..=dialect.max_decimals).contains(value))
             .unwrap_or(usual);
         let program = core::Program {
-            resolution: core::Resolution { units: units.into(), decimals },
+            resolution: core::Resolution { units, decimals },
             number: number.unwrap_or(1),
             name,
             block_numbers,
             work_offset: work_offset.map(|offset| offset as u8),
-            safe_home: safe_home.into(),
-            custom: custom.to_core(),
+            safe_home,
+            custom,
         };
         (dialect, program)
     }

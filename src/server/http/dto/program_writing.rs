@@ -3,12 +3,12 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::axis_output::{AxisOutput, AxisSetup};
+use super::axis_output::AxisSetup;
 use super::check::Violations;
 use super::cutting::Cutting;
 use super::five_axis::SentMachine;
 use super::meta::{Meta, MetaTexts};
-use super::program::{Program, Units};
+use super::program::Program;
 use super::sent_toolpath::{Read, Reading, SentToolpath};
 use super::setup::{JobWithSetup, SentSetup, Setup};
 use super::tool::Tool;
@@ -24,7 +24,7 @@ use toolpathd_core::toolpath::cutting::{self, CLEARANCE_ABOVE_TOP_MM, Caution, C
 use toolpathd_core::toolpath::path::{Move, Role};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{measure, program};
-use toolpathd_post::NcProgram;
+use toolpathd_post::{AxisOutput, NcProgram};
 
 /// How far the radii at the start and at the end of an arc may differ, in units of the last decimal. Rounding
 /// the points of an exact arc makes its radii differ by about this much.
@@ -182,7 +182,7 @@ pub struct WriteReport {
     /// Length of the program, in bytes.
     n_bytes: usize,
     /// Units of the written program.
-    units: Units,
+    units: program::Units,
     /// Number of decimals of a written coordinate.
     decimals: u8,
     /// Name of the dialect of the written program.
@@ -199,7 +199,7 @@ impl WriteReport {
             radius_mismatch_max_mm: written.max_radius_mismatch_mm,
             n_blocks: written.blocks,
             n_bytes: written.text.len(),
-            units: units.into(),
+            units,
             decimals,
             dialect: setup.dialect.name,
         }

@@ -5,12 +5,13 @@ use serde::Deserialize;
 
 use super::axis;
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
-use super::moves::{ArcMove, DwellMove, LineMove, Move, ParabolaMove, RapidMove, Role, TurnMove};
+use super::moves::{ArcMove, DwellMove, LineMove, Move, ParabolaMove, RapidMove, TurnMove};
 use super::point::{Coordinates, Point};
 use super::toolpath::MAX_LEVEL;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::curve::Arc;
+use toolpathd_core::toolpath::Role;
 use toolpathd_core::toolpath::cutting::CuttingRequest;
 use toolpathd_core::toolpath::near_arc::{NearArc, near_arc};
 use toolpathd_core::toolpath::path::{Builder, PathError, Toolpath};
@@ -147,7 +148,7 @@ impl Reader<'_> {
                 check_point(to, || at().field("to"), self.violations);
                 check_point(control, || at().field("control"), self.violations);
                 let rate = self.feed(*feed_mm_per_min, *role, &at);
-                let added = self.builder.parabola((*to).into(), (*control).into(), rate, (*role).into());
+                let added = self.builder.parabola((*to).into(), (*control).into(), rate, *role);
                 self.blame(added, at);
             }
             Move::Turn(TurnMove { axis: sent, seconds, role, .. }) => {
@@ -157,7 +158,7 @@ impl Reader<'_> {
                     let detail = "send how many seconds the turn takes";
                     self.violations.add(&at().field("seconds"), FieldCode::FeedRequired, detail);
                 }
-                let added = self.builder.turn(axis, *seconds, (*role).into());
+                let added = self.builder.turn(axis, *seconds, *role);
                 self.blame(added, || at().field("axis"));
             }
             Move::Dwell(DwellMove { seconds, .. }) => {
@@ -179,7 +180,7 @@ impl Reader<'_> {
     }
 
     fn line(&mut self, to: &Point, rate: FeedRate, role: Role, at: impl Fn() -> Pointer) {
-        let added = self.builder.line((*to).into(), rate, role.into());
+        let added = self.builder.line((*to).into(), rate, role);
         self.blame(added, at);
     }
 
@@ -188,7 +189,7 @@ impl Reader<'_> {
         check_point(&to, || at().field("to"), self.violations);
         check_point(&center, || at().field("center"), self.violations);
         let rate = self.feed(feed_mm_per_min, role, &at);
-        let turn = (plane.into(), direction.into());
+        let turn = (plane, direction);
         let (start, end) = (self.builder.at(), Point3::from(to));
         match near_arc(turn, start, end, center.into(), self.reading.arc_tolerance_mm) {
             Ok(NearArc { arcs, moved_mm }) => {
@@ -203,7 +204,7 @@ impl Reader<'_> {
                         let turned = self.builder.turn_next(tool_axes::between(&from, &to, done / whole));
                         self.blame(turned, &at);
                     }
-                    let added = self.builder.arc(arc.end(), arc.center(), turn, rate, role.into());
+                    let added = self.builder.arc(arc.end(), arc.center(), turn, rate, role);
                     self.blame(added, &at);
                 }
             }
@@ -216,7 +217,7 @@ impl Reader<'_> {
 
     /// The feed of a move. An illegal or missing feed is reported and replaced by a default.
     fn feed(&mut self, own: Option<f64>, role: Role, at: &impl Fn() -> Pointer) -> FeedRate {
-        let by_role = self.reading.cutting.map(|cutting| cutting.feed_of(role.into()));
+        let by_role = self.reading.cutting.map(|cutting| cutting.feed_of(role));
         match (own, by_role) {
             (Some(own), _) => {
                 if !(Range::POSITIVE.min..=Range::POSITIVE.max).contains(&own) {

@@ -6,12 +6,11 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
-use super::names::into_core;
 use super::tool::Tool;
 use crate::http::decode::tagged::{Kind, by_kind};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
-use toolpathd_core::operations::surface_milling as core;
+use toolpathd_core::operations::surface_milling::{CutDirection, SectionPlane, Spacing};
 use wire_union::WireUnion;
 
 by_kind! {
@@ -31,7 +30,7 @@ pub struct ClCartesian {
     /// The planes of the passes. `zx`: planes of constant y. `yz`: planes of constant x.
     #[serde(default)]
     #[schema(default = "zx")]
-    plane: Plane,
+    plane: SectionPlane,
     /// Largest distance of neighbouring planes, in mm. A larger stepover makes fewer passes and higher
     /// scallops.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
@@ -44,35 +43,12 @@ pub struct ClCartesian {
     /// passes run in the same direction.
     #[serde(default)]
     #[schema(default = "zigzag")]
-    direction: Direction,
+    direction: CutDirection,
     /// Whether the path is kept out of the part. Only `true` is supported.
     #[serde(default = "yes")]
     #[schema(default = true)]
     trim: bool,
 }
-
-/// The planes of the passes.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = SectionPlane)]
-pub enum Plane {
-    #[default]
-    Zx,
-    Yz,
-}
-
-/// In which direction passes are cut.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = CutDirection)]
-pub enum Direction {
-    OneWay,
-    #[default]
-    Zigzag,
-}
-
-into_core!(Plane => core::SectionPlane, [Zx, Yz]);
-into_core!(Direction => core::CutDirection, [OneWay, Zigzag]);
 
 fn yes() -> bool {
     true
@@ -80,9 +56,9 @@ fn yes() -> bool {
 
 /// A strategy in the core's terms.
 pub struct Sections {
-    pub plane: core::SectionPlane,
-    pub spacing: core::Spacing,
-    pub direction: core::CutDirection,
+    pub plane: SectionPlane,
+    pub spacing: Spacing,
+    pub direction: CutDirection,
 }
 
 /// Legal scallop heights, mm.
@@ -108,19 +84,19 @@ impl Strategy {
             violations.add(&at.field("trim"), FieldCode::Unsupported, detail);
         }
         let across = match plane {
-            Plane::Zx => extent[1],
-            Plane::Yz => extent[0],
+            SectionPlane::Zx => extent[1],
+            SectionPlane::Yz => extent[0],
         };
         let at_stepover = at.field("stepover_mm");
         let spacing = match (stepover_mm, scallop_height_mm) {
             (Some(stepover), None) => {
                 violations.number(&at_stepover, stepover, Range::POSITIVE, "mm");
                 check_count(&at_stepover, across, stepover, max_sections, violations);
-                core::Spacing::Stepover(stepover)
+                Spacing::Stepover(stepover)
             }
             (None, Some(height)) => {
                 violations.number(&at.field("scallop_height_mm"), height, SCALLOP_HEIGHT, "mm");
-                core::Spacing::ScallopHeight(height)
+                Spacing::ScallopHeight(height)
             }
             (None, None) => {
                 let detail = "send `stepover_mm` or `scallop_height_mm`";
@@ -133,14 +109,14 @@ impl Strategy {
                 return None;
             }
         };
-        Some(Sections { plane: plane.into(), spacing, direction: direction.into() })
+        Some(Sections { plane, spacing, direction })
     }
 }
 
 impl Sections {
     /// Refuses a scallop height for a flat cutter, which leaves steps and no scallops.
     pub fn check_scallops(&self, at: &Pointer, tool: &Tool, violations: &mut Violations) {
-        if matches!(self.spacing, core::Spacing::ScallopHeight(_)) && tool.is_flat() {
+        if matches!(self.spacing, Spacing::ScallopHeight(_)) && tool.is_flat() {
             let detail = "a flat end leaves steps, not scallops: send `stepover_mm` instead";
             violations.add(&at.field("scallop_height_mm"), FieldCode::Conflict, detail);
         }
@@ -159,15 +135,3 @@ fn check_count(at: &Pointer, across: f64, stepover: f64, most: usize, violations
         violations.add(at, FieldCode::LimitExceeded, detail);
     }
 }
-
-/// Where the passes end.
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Boundary {
-    Inside,
-    #[default]
-    On,
-    Past,
-}
-
-into_core!(Boundary => core::Boundary, [Inside, On, Past]);

@@ -1,4 +1,4 @@
-//! Toolpaths and their measures in answers.
+//! Toolpaths in answers.
 
 use serde::{Serialize, Serializer};
 use utoipa::ToSchema;
@@ -6,98 +6,8 @@ use utoipa::ToSchema;
 use super::axis::{AxisDirection, components};
 use super::moves::Move;
 use super::point::{Coordinates, Point};
-use crate::http::answer_point::Place;
 use toolpathd_core::toolpath as core;
-use toolpathd_core::toolpath::cutting::Cutting;
-use toolpathd_core::toolpath::measure;
-use toolpathd_core::toolpath::motion_time::motion_time;
 use toolpathd_core::toolpath::tool_axes::ToolAxes;
-use toolpathd_core::toolpath::units::{Acceleration, FeedRate};
-
-/// Lengths and times of a toolpath, and the box around the toolpath. Every feed move counts as cutting.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub struct Measures {
-    /// Length of all feed moves, in mm.
-    pub cutting_length_mm: f64,
-    /// Length of all rapids, in mm.
-    pub rapid_length_mm: f64,
-    /// Time of all feed moves at their feeds, in s. Absent where moves have no feed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cutting_time_s: Option<f64>,
-    /// Time of all rapids at `rapid_feed_mm_per_min`, in s.
-    pub rapid_time_s: f64,
-    /// Time of cutting, rapids and dwells together, in s. Absent where moves have no feed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub total_time_s: Option<f64>,
-    /// Time of all pauses, in s.
-    pub dwell_time_s: f64,
-    /// Estimated time on a machine that accelerates and brakes, in s. The estimate takes the acceleration
-    /// from `cutting` and assumes a control with look-ahead, which slows down in corners and on small arcs.
-    /// Absent where moves have no feed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_with_acceleration_s: Option<f64>,
-    /// How many moves of each kind there are.
-    pub moves: MoveCounts,
-    /// The box around all positions of the tool's tip, in mm.
-    pub bounds: Bounds,
-}
-
-/// How many moves of each kind a toolpath has.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, ToSchema)]
-pub struct MoveCounts {
-    /// Number of rapids.
-    pub rapid: usize,
-    /// Number of lines at feed.
-    pub line: usize,
-    /// Number of arcs and helices.
-    pub arc: usize,
-    /// Number of parabolas.
-    pub parabola: usize,
-    /// Number of splines; always 0 in this version.
-    pub spline: usize,
-    /// Number of turns of the tool about its resting tip. Absent where there are none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub turn: Option<usize>,
-}
-
-/// A box with sides along the axes.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub struct Bounds {
-    /// The corner with the smallest coordinates, in mm.
-    pub min: Place,
-    /// The corner with the largest coordinates, in mm.
-    pub max: Place,
-}
-
-impl Measures {
-    /// Measures `toolpath`. Times are for the machine of `cutting`, or for the default machine without
-    /// `cutting`.
-    pub fn of(toolpath: &core::Toolpath, cutting: Option<&Cutting>) -> Self {
-        let rapid_feed = cutting.map_or(FeedRate::DEFAULT_RAPID, |cutting| cutting.rapid_feed);
-        let acceleration = cutting.map_or(Acceleration::DEFAULT, |cutting| cutting.acceleration);
-        let measure::Measures {
-            cutting_length_mm,
-            rapid_length_mm,
-            cutting_time_s,
-            rapid_time_s,
-            dwell_time_s,
-            total_time_s,
-            counts: measure::MoveCounts { rapid, line, arc, parabola, spline, turn },
-            bounds: measure::Bounds { min, max },
-        } = measure::measure(toolpath, rapid_feed);
-        Self {
-            cutting_length_mm,
-            rapid_length_mm,
-            cutting_time_s,
-            rapid_time_s,
-            total_time_s,
-            dwell_time_s,
-            time_with_acceleration_s: motion_time(toolpath, rapid_feed, acceleration),
-            moves: MoveCounts { rapid, line, arc, parabola, spline, turn: (turn > 0).then_some(turn) },
-            bounds: Bounds { min: min.into(), max: max.into() },
-        }
-    }
-}
 
 /// The moves of the tool's tip, in mm. Each move starts where the move before ended.
 #[derive(Serialize, ToSchema)]
@@ -166,6 +76,8 @@ mod tests {
     use super::*;
     use toolpathd_core::geometry::{curve, plane};
     use toolpathd_core::toolpath::cutting::CuttingRequest;
+    use toolpathd_core::toolpath::measure::measure_on;
+    use toolpathd_core::toolpath::units::FeedRate;
 
     #[test]
     fn times_are_left_out_where_moves_have_no_feed() {
@@ -174,7 +86,7 @@ mod tests {
         for (rate, times) in [(rate, [json!(3.0), json!(3.0)]), (None, [json!(null), json!(null)])] {
             let mut builder = core::Toolpath::builder(Point3::origin());
             builder.line(Point3::new(3.0, 0.0, 0.0), rate, core::Role::Cut).expect("a line");
-            let measures = Measures::of(&builder.finish().expect("a toolpath"), Some(&cutting));
+            let measures = measure_on(&builder.finish().expect("a toolpath"), Some(&cutting));
             let measures = serde_json::to_value(measures).expect("JSON");
             assert_eq!(measures["cutting_length_mm"], 3.0);
             assert_eq!(["cutting_time_s", "total_time_s"].map(|name| measures[name].clone()), times);

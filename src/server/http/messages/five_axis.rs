@@ -11,12 +11,12 @@ use toolpathd_post::path_text::{PathFault, PathTextError};
 impl From<&five_axis::Warning> for Warning {
     fn from(warning: &five_axis::Warning) -> Self {
         match *warning {
-            five_axis::Warning::ToleranceExceeded { deviation_mm, deviation_axis } => Self::new(
+            five_axis::Warning::ToleranceExceeded { deviation_mm, deviation_deg } => Self::new(
                 WarningCode::ToleranceExceeded,
                 format!(
                     "`method: paper` leaves the tolerances: up to {:.4} mm and {:.4} degrees from the given path; send `interpolating`",
                     rounded_up(deviation_mm),
-                    rounded_up(deviation_axis.to_degrees())
+                    rounded_up(deviation_deg)
                 ),
             ),
             five_axis::Warning::LimitsNotProved { at } => Self::new(

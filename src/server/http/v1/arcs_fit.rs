@@ -105,7 +105,7 @@ async fn fit_program(streams: &Streams, request: Request) -> Result<Response, Ap
         let file_name = format!("arcs.{}", job.dialect.file_extension);
         return stream.text(form.media_type, &file_name).await;
     }
-    let report = AnyFitReport::Program(stream.figures().await?.into());
+    let report = AnyFitReport::Program(stream.figures().await?);
     let head = Head::new(None, Vec::new());
     Ok(Encoded::json(&Answer { head, report, members: PathMembers::default() })?.into_response())
 }
@@ -131,7 +131,7 @@ fn fit(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<AnyFitReport, 
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
-        report: AnyFitReport::Polyline(report.into()),
+        report: AnyFitReport::Polyline(report),
         product: Cut { toolpath, cutting, setup, comments, nc: None },
         drawing: Box::new(move || Drawing {
             curve: vec![polyline.clone()],

@@ -7,19 +7,19 @@ use nalgebra::{Point2, Point3};
 
 use crate::http::answer::{Computing, Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
-use crate::http::dto::interpolation::{InterpolateReport, InterpolateRequest};
+use crate::http::dto::interpolation::InterpolateRequest;
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::error::ApiError;
 use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
-use toolpathd_core::operations::interpolation::{self, Job, Plan, Sketch};
+use toolpathd_core::operations::interpolation::{self, Job, Plan, Report, Sketch};
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
 
 /// The answer in JSON.
-type InterpolateAnswer = Answer<InterpolateReport>;
+type InterpolateAnswer = Answer<Report>;
 
 /// Replace a plane curve by lines, arcs or parabolas within a band.
 ///
@@ -36,7 +36,7 @@ pub async fn interpolate_curve(
     answer(computing, wanted, body, interpolate).await
 }
 
-fn interpolate(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<InterpolateReport, Cut>, ApiError> {
+fn interpolate(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>, ApiError> {
     let JobWithSetup { job, setup, meta } = job;
     let plan = interpolation::plan(&job, budget)?;
     let Plan { curve, toolpath, report, cutting, warnings } = plan;
@@ -46,7 +46,7 @@ fn interpolate(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Interp
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
         product: Cut { toolpath, cutting, setup, comments: vec![proved(&report)], nc: None },
-        report: InterpolateReport::from(report),
+        report,
         drawing: Box::new(move || drawing(interpolation::sketch(&curve, &band, &elements), height)),
     })
 }
@@ -64,11 +64,11 @@ fn drawing(sketch: Sketch, z_mm: f64) -> Drawing {
 }
 
 /// The line with the proved figures for the program's header. The deviation is rounded up.
-fn proved(report: &interpolation::Report) -> String {
+fn proved(report: &Report) -> String {
     let least = report.n_elements_lower_bound.map(|least| format!(" - AT LEAST {least}")).unwrap_or_default();
     format!(
         "{} ELEMENTS{least} - PROVED DEVIATION {:.4} MM",
-        report.elements.len(),
+        report.n_elements,
         rounded_up(report.deviation_max_mm)
     )
 }

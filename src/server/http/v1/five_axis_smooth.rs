@@ -8,7 +8,7 @@ use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::check::Violations;
 use crate::http::dto::five_axis::{
-    Sample, SampleMembers, SmoothJob, SmoothMembers, SmoothQuery, SmoothReport, SmoothRequest,
+    Sample, SampleMembers, SmoothJob, SmoothMembers, SmoothQuery, SmoothRequest,
 };
 use crate::http::dto::program_writing::conditions;
 use crate::http::error::ApiError;
@@ -25,7 +25,7 @@ use toolpathd_plot::Drawing;
 use toolpathd_plot::diagram::Diagram;
 
 /// The answer in JSON.
-type SmoothAnswer = Answer<SmoothReport, SmoothMembers>;
+type SmoothAnswer = Answer<Report, SmoothMembers>;
 
 /// The forms of the answer, and its query.
 pub enum Smooths {}
@@ -100,7 +100,7 @@ impl Product for Motion {
     }
 }
 
-fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<SmoothReport, Motion>, ApiError> {
+fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Report, Motion>, ApiError> {
     let SmoothJob { job, setup, cutting, has_program, meta } = job;
     let Plan { report, samples, toolpath, warnings } = five_axis::plan(&job, budget)?;
     let mut warnings: Vec<Warning> = warnings.iter().map(Warning::from).collect();
@@ -118,7 +118,7 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Smoot
     Ok(Outcome {
         meta,
         warnings,
-        report: SmoothReport::from(&report),
+        report,
         product: Motion {
             cut: Cut { toolpath, cutting, setup, comments, nc: None },
             samples,
@@ -155,8 +155,8 @@ fn diagrams(job: &Job, samples: &[TimedPose], budget: &Budget) -> Result<Vec<Dia
 fn proved(report: &Report) -> String {
     format!(
         "SMOOTH PATH WITHIN {:.4} MM AND {:.4} DEGREES OF {} POSES",
-        rounded_up(report.moves_deviation_mm),
-        rounded_up(report.moves_deviation_axis.to_degrees()),
+        rounded_up(report.toolpath_deviation_max_mm),
+        rounded_up(report.toolpath_deviation_max_deg),
         report.n_poses
     )
 }

@@ -8,7 +8,6 @@ use nalgebra::Point3;
 use crate::http::answer::{Computing, Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::pocketing::PocketRequest;
-use crate::http::dto::pocketing::report::PocketReport;
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::error::ApiError;
 use crate::http::messages::Warning;
@@ -16,12 +15,12 @@ use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::segment::Segment;
-use toolpathd_core::operations::pocketing::{self, Job, Plan};
+use toolpathd_core::operations::pocketing::{self, Job, LevelOutlines, Plan, Report};
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
 
 /// The answer in JSON.
-type PocketAnswer = Answer<PocketReport>;
+type PocketAnswer = Answer<Report>;
 
 /// Plan the clearing of a pocket.
 ///
@@ -37,25 +36,25 @@ pub async fn plan_pocket(
     answer(computing, wanted, body, plan).await
 }
 
-fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<PocketReport, Cut>, ApiError> {
+fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>, ApiError> {
     let JobWithSetup { job, setup, meta } = job;
-    let Plan { toolpath, report, cutting, warnings } = pocketing::plan(&job, budget)?;
+    let Plan { toolpath, report, outlines, cutting, warnings } = pocketing::plan(&job, budget)?;
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
         product: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
-        report: PocketReport::from(&report),
-        drawing: Box::new(move || drawing(&report)),
+        report,
+        drawing: Box::new(move || drawing(&outlines)),
     })
 }
 
 /// The walls and the islands of each level, at the level's top and floor, and the edges of what stays uncut.
-fn drawing(report: &pocketing::Report) -> Drawing {
+fn drawing(levels: &[LevelOutlines]) -> Drawing {
     let mut drawing = Drawing::default();
-    for level in &report.levels {
+    for level in levels {
         let at_floor = |outline: &Vec<Segment>| polyline(outline, level.z_mm);
-        drawing.curve.extend(level.outlines.iter().map(|outline| polyline(outline, level.top_z_mm)));
-        drawing.curve.extend(level.outlines.iter().map(at_floor));
+        drawing.curve.extend(level.pocket.iter().map(|outline| polyline(outline, level.top_z_mm)));
+        drawing.curve.extend(level.pocket.iter().map(at_floor));
         drawing.uncut.extend(level.uncut.iter().map(at_floor));
     }
     drawing
@@ -75,7 +74,7 @@ fn polyline(chain: &[Segment], z: f64) -> Vec<Point3<f64>> {
 }
 
 /// The line with the proved figures for the program's header. The gouge is rounded up.
-fn proved(report: &pocketing::Report) -> String {
+fn proved(report: &Report) -> String {
     let n_levels = report.levels.len();
     format!(
         "PROVED GOUGE {:.4} MM - UNCUT {:.1} MM2 ON {n_levels} LEVEL{}",

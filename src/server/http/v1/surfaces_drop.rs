@@ -6,18 +6,18 @@ use axum::response::Response;
 
 use crate::http::answer::{Computing, Outcome, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
-use crate::http::dto::dropping::{DropJob, DropReport, DropRequest};
+use crate::http::dto::dropping::{DropJob, DropRequest};
 use crate::http::error::ApiError;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Models, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_core::machining::wire_model::{self, Wire};
-use toolpathd_core::operations::cutter_location;
+use toolpathd_core::operations::cutter_location::{self, Report};
 use toolpathd_plot::Drawing;
 
 /// The answer in JSON.
-type DropAnswer = Answer<DropReport, NoMembers>;
+type DropAnswer = Answer<Report, NoMembers>;
 
 /// Lower a cutter onto a surface at many places.
 ///
@@ -34,14 +34,14 @@ pub async fn drop_cutter(
     answer(computing, wanted, body, locate).await
 }
 
-fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<DropReport, ()>, ApiError> {
+fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<Report, ()>, ApiError> {
     let DropJob { job, meta } = job;
     let locations = cutter_location::locate(&job, budget)?;
     let surface = job.surface;
     Ok(Outcome {
         meta,
         warnings: Vec::new(),
-        report: DropReport::from(&locations[..]),
+        report: Report::new(&locations),
         product: (),
         drawing: Box::new(move || Drawing::of_surface(sketched(&surface))),
     })

@@ -6,7 +6,7 @@ use axum::response::Response;
 
 use crate::http::answer::{Computing, Cut, Outcome, answer};
 use crate::http::dto::answer::Answer;
-use crate::http::dto::milling::{MillReport, MillRequest};
+use crate::http::dto::milling::MillRequest;
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::error::ApiError;
 use crate::http::messages::Warning;
@@ -15,12 +15,12 @@ use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_core::machining::wire_model;
-use toolpathd_core::operations::surface_milling::{self, Job, Plan};
+use toolpathd_core::operations::surface_milling::{self, Job, Plan, Report};
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
 
 /// The answer in JSON.
-type MillAnswer = Answer<MillReport>;
+type MillAnswer = Answer<Report>;
 
 /// Plan the milling of a surface.
 ///
@@ -36,14 +36,14 @@ pub async fn mill_surface(
     answer(computing, wanted, body, mill).await
 }
 
-fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<MillReport, Cut>, ApiError> {
+fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>, ApiError> {
     let JobWithSetup { job, setup, meta } = job;
     let Plan { toolpath, report, cutting, warnings } = surface_milling::plan(&job, budget)?;
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
-        report: MillReport::from(&report),
         product: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
+        report,
         drawing: Box::new(move || drawing(&job.surface)),
     })
 }
@@ -55,7 +55,7 @@ fn drawing(surface: &Source) -> Drawing {
 }
 
 /// The line with the proved figures for the program's header. The figures are rounded up.
-fn proved(report: &surface_milling::Report) -> String {
+fn proved(report: &Report) -> String {
     format!(
         "PROVED DEVIATION {:.4} MM - GOUGE {:.4} MM",
         rounded_up(report.deviation_max_mm),

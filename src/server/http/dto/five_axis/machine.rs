@@ -11,7 +11,6 @@ use super::mtconnect;
 use crate::http::decode::object;
 use crate::http::dto::axis::{self, AxisDirection};
 use crate::http::dto::check::{Range, Violations};
-use crate::http::dto::names::{from_core, into_core};
 use crate::http::dto::point::{Coordinates, Point};
 use crate::http::dto::schema::{array_of, number, schema_of};
 use crate::http::error::FieldCode;
@@ -20,21 +19,6 @@ use toolpathd_core::machine::{Kind, Machine, RotaryAxis, named};
 
 /// Legal ends of the travel of a rotary axis, degrees.
 const TRAVEL_DEG: Range = Range { min: -1e6, max: 1e6 };
-
-/// Which of the two rotary axes carry the workpiece, and which the tool.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum MachineKind {
-    /// Both carry the workpiece. The first one carries the second one.
-    TableTable,
-    /// The first one carries the tool, the second one the workpiece.
-    HeadTable,
-    /// Both carry the tool. The first one carries the second one.
-    HeadHead,
-}
-
-into_core!(MachineKind => Kind, [TableTable, HeadTable, HeadHead]);
-from_core!(Kind => MachineKind, [TableTable, HeadTable, HeadHead]);
 
 /// A machine with three linear axes and two rotary axes: the `name` of a machine of `/v1/machines` alone, or
 /// `kind` and `axes`, or `mtconnect` and `kind`. At zero of all axes the tool points along z, and the
@@ -49,7 +33,7 @@ pub struct SentMachine {
     /// of the axes. Other members of the machine complete and replace what it states.
     mtconnect: Option<String>,
     /// What the rotary axes carry. Required without `name`.
-    kind: Option<MachineKind>,
+    kind: Option<Kind>,
     /// The letters of the two rotary axes, such as `AC`. A axis turns about x, B about y, C about z, unless
     /// `rotary` says otherwise. With `table_table` and `head_head`, the first axis carries the second axis.
     /// With `head_table`, the first axis belongs to the head. Required without `name`, unless `mtconnect`
@@ -175,7 +159,7 @@ impl SentMachine {
         }
         violations.optional(&at.field("pivot_mm"), pivot_mm, Range::COORDINATE, "mm");
         let ([Some(first), Some(second)], true) = (rotary, violations.total() == before) else { return None };
-        match Machine::new("custom", kind.into(), [first, second], travels, pivot_mm.unwrap_or(0.0)) {
+        match Machine::new("custom", kind, [first, second], travels, pivot_mm.unwrap_or(0.0)) {
             Ok(machine) => Some(machine),
             Err(error) => {
                 violations.add(at, FieldCode::OutOfRange, error.to_string());
@@ -295,7 +279,7 @@ pub struct ListedMachine {
     /// Name of the machine: the value of `machine.name`.
     name: String,
     /// What the rotary axes carry.
-    kind: MachineKind,
+    kind: Kind,
     /// The letters of the rotary axes.
     axes: String,
     /// The rotary axes, in the order of `axes`.
@@ -334,7 +318,7 @@ impl From<&Machine> for ListedMachine {
         let rotary = machine.rotary();
         Self {
             name: machine.name().to_owned(),
-            kind: machine.kind().into(),
+            kind: machine.kind(),
             axes: rotary.iter().map(|axis| axis.name).collect(),
             rotary: rotary.iter().map(ListedRotary::from).collect(),
             travel_mm: LinearTravel { x, y, z },

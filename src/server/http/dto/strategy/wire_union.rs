@@ -4,12 +4,11 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::super::check::{Range, Violations};
-use super::Boundary;
 use super::{Sections, check_count};
 use crate::http::decode::tagged::Kind;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
-use toolpathd_core::operations::surface_milling as core;
+use toolpathd_core::operations::surface_milling::{Boundary, CutDirection, SectionPlane, Spacing};
 
 /// Roughing passes along wires: curves on the surface at constant y. All passes run in the same direction and
 /// consist of lines; any cutter may be used. At each x the tip is at the greatest height of these wires: the
@@ -34,9 +33,9 @@ impl WireUnion {
         violations.number(&at_pitch, self.pitch_mm, Range::POSITIVE, "mm");
         check_count(&at_pitch, extent, self.pitch_mm, most, violations);
         Sections {
-            plane: core::SectionPlane::Zx,
-            spacing: core::Spacing::WirePitch(self.pitch_mm),
-            direction: core::CutDirection::OneWay,
+            plane: SectionPlane::Zx,
+            spacing: Spacing::WirePitch(self.pitch_mm),
+            direction: CutDirection::OneWay,
         }
     }
 }
@@ -44,7 +43,7 @@ impl WireUnion {
 impl Sections {
     /// Refuses a member that a wire union cannot use: its cutter always moves straight down and straight up.
     pub fn check_absent(&self, at: &Pointer, is_given: bool, violations: &mut Violations) {
-        if is_given && matches!(self.spacing, core::Spacing::WirePitch(_)) {
+        if is_given && matches!(self.spacing, Spacing::WirePitch(_)) {
             violations.add(
                 at,
                 FieldCode::Conflict,
@@ -55,7 +54,7 @@ impl Sections {
 
     /// Refuses any boundary but `on` for a wire union, because its wires end on the edge of the surface.
     pub fn check_boundary(&self, at: &Pointer, boundary: Boundary, violations: &mut Violations) {
-        let is_union = matches!(self.spacing, core::Spacing::WirePitch(_));
+        let is_union = matches!(self.spacing, Spacing::WirePitch(_));
         if is_union && matches!(boundary, Boundary::Inside | Boundary::Past) {
             let detail = "the wires of `wire_union` end on the edge of the surface: send `boundary: on`";
             violations.add(at, FieldCode::Conflict, detail);

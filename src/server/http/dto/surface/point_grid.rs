@@ -11,12 +11,11 @@ use crate::config::Limits;
 use crate::http::decode::object;
 use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
-use crate::http::dto::names::into_core;
 use crate::http::dto::point::Point;
 use crate::http::dto::schema::{array_of, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
-use toolpathd_core::geometry::surface::point_grid as core;
+use toolpathd_core::geometry::surface::point_grid::{self as core, Twist};
 
 /// Measured points, joined by a smooth surface: bicubic splines with uniform parameters.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -49,14 +48,6 @@ pub struct PointGrid {
     /// Tangents at the boundaries, in mm. Required with `ends: clamped`, refused with other ends.
     #[serde(default, deserialize_with = "object::optional")]
     end_tangents: Option<EndTangents>,
-}
-
-#[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Twist {
-    #[default]
-    Spline,
-    Zero,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
@@ -100,8 +91,6 @@ pub struct EndTangents {
 schema_of!(TangentRow, "Vectors `[x, y, z]`, in mm, one for each point of a boundary.", {
     array_of(Ref::from_schema_name("Point"), 2, Limits::DEFAULT.surface_points / 2)
 });
-
-into_core!(Twist => core::Twist, [Spline, Zero]);
 
 impl PointGrid {
     pub fn points(&self) -> impl Iterator<Item = &Point> {
@@ -154,7 +143,7 @@ impl From<PointGrid> for core::PointGrid {
     fn from(PointGrid { _kind: _, points, twist, ends, outliers: _, end_tangents }: PointGrid) -> Self {
         Self {
             points: grid::converted(points),
-            twist: twist.into(),
+            twist,
             ends: match (ends, end_tangents) {
                 (Some(Ends::Clamped), Some(tangents)) => core::Ends::Clamped(tangents.into()),
                 (None | Some(Ends::Clamped), _) => core::Ends::Usual,

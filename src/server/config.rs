@@ -176,8 +176,8 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_BODY_DEADLINE_S", default_value = "120", value_parser = seconds, global = true)]
     pub body_deadline_s: Duration,
 
-    /// Longest time in which a caller takes no byte of the answer, in seconds; then the connection is closed.
-    /// Beyond this time a caller must take 16 KiB of an answer in each second
+    /// Longest time in which a caller takes none of the pieces of 32 KiB in which an answer is sent, in
+    /// seconds; then the connection is closed
     #[arg(long, env = "TOOLPATHD_WRITE_TIMEOUT_S", default_value = "20", value_parser = seconds, global = true)]
     pub write_timeout_s: Duration,
 

@@ -93,7 +93,7 @@ impl ProgramStream {
     /// Begins to rewrite the body of `request`.
     ///
     /// # Errors
-    /// `unsupported_coding`; `overloaded` when all places for streams are taken.
+    /// `unsupported_coding`; `overloaded` when there are as many streams as may be.
     pub fn begin(streams: &Streams, request: Request, rewriter: Rewriter) -> Result<Self, ApiError> {
         let coding = Coding::of(request.headers())?;
         let permit = Arc::clone(&streams.permits).try_acquire_owned().map_err(|_| {

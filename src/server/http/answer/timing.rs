@@ -9,7 +9,7 @@ pub const SERVER_TIMING: HeaderName = HeaderName::from_static("server-timing");
 /// Times of the steps. They travel in the extensions of the response to the log and the metrics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timing {
-    /// Time of waiting for a place.
+    /// Time of waiting for a worker.
     pub queue: Duration,
     /// Time of decoding the body and converting it to a job, without the arrival of the body.
     pub parse: Duration,

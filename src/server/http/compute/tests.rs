@@ -44,7 +44,7 @@ async fn a_full_queue_refuses_at_once_and_is_free_again_afterwards() {
 }
 
 #[tokio::test]
-async fn a_dropped_future_stops_the_job_and_then_frees_the_place() {
+async fn a_dropped_future_stops_the_job_and_then_frees_the_worker() {
     let compute = pool(1, 0, LONG_ENOUGH, LONG_ENOUGH);
     let (sender, stopped) = oneshot::channel();
     let job =

@@ -3,7 +3,8 @@
 //! The service can refuse a body before the caller has sent all of it. If the service closed the connection
 //! at once, the caller would see a connection reset, and might never read the answer. So the service reads
 //! the rest of the body and throws it away, until the body ends, [`MAX_TIME`] has passed, or [`MAX_BYTES`]
-//! are read. Then it closes the connection.
+//! are read. Then it closes the connection. hyper reads only what has arrived already, and a proxy in front
+//! sees the same reset as a caller.
 
 use std::pin::Pin;
 use std::task::{Context, Poll};

@@ -1,5 +1,8 @@
 //! How many connections may be open, in all and for each address. Connections beyond that are for health
 //! checks and metrics.
+//!
+//! The limit for an address is a setting for services without a proxy. hyper and tower have no limit that
+//! still lets a health check in, and a supervisor restarts a service whose health check gets no answer.
 
 use std::collections::{HashMap, VecDeque};
 use std::net::{IpAddr, Ipv6Addr};

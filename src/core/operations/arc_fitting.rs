@@ -36,6 +36,7 @@ use crate::toolpath::contour::{TOP_MM, contour};
 use crate::toolpath::cutting::{Cutting, CuttingRequest, HeightError};
 use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::{Curves, QuantizeError, round};
+use crate::toolpath::units::rounded_up;
 use crate::toolpath::{PathError, Toolpath};
 
 /// Curves between two checks of the budget.
@@ -104,13 +105,13 @@ pub struct Report {
 }
 
 /// Something the caller should know that does not stop the job.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Warning {
-    /// Rounding to the program's decimals may exceed the tolerance.
+    #[error("rounding to the program's decimals moves the path up to {:.4} mm from the points, beyond the tolerance", rounded_up(*deviation_mm))]
     RoundingExceedsTolerance { deviation_mm: f64 },
-    /// The curves are near the points, but not near the lines between them.
+    #[error("the elements are up to {:.4} mm from the straight lines between the points", rounded_up(*deviation_mm))]
     CoarseSamples { deviation_mm: f64 },
-    /// The deviation exceeds the tolerance: biarcs pass through the points whatever the tolerance.
+    #[error("biarcs ignore the tolerance: the elements are up to {:.4} mm from the straight lines between the points", rounded_up(*deviation_mm))]
     ToleranceExceeded { deviation_mm: f64 },
 }
 

@@ -53,7 +53,7 @@ use nalgebra::{Point3, Vector3};
 use crate::budget::{Budget, Stopped};
 use crate::machine::{FollowError, Joints, Machine};
 use crate::toolpath::pose::{Pace, Pose, Waypoint};
-use crate::toolpath::units::FeedRate;
+use crate::toolpath::units::{FeedRate, rounded_up};
 use crate::toolpath::{PathError, Toolpath};
 use deviation::Deviation;
 pub use drive::MotionLimits;
@@ -147,13 +147,15 @@ pub struct Plan {
 }
 
 /// Something to know before the motion runs, which does not stop the job.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Warning {
-    /// The method leaves the tolerances: bounds of the deviation of tip and axis, in mm and in degrees.
+    #[error("the method leaves the tolerances: up to {:.4} mm and {:.4} degrees from the given path", rounded_up(*deviation_mm), rounded_up(*deviation_deg))]
     ToleranceExceeded { deviation_mm: f64, deviation_deg: f64 },
-    /// At this pole of the machine the limits of the axes are checked, but not proved.
+    #[error(
+        "near {at} mm the tool axis passes a pole of the machine, where the limits of the axes are checked but not proved; lean the axis a little there"
+    )]
     LimitsNotProved { at: Point3<f64> },
-    /// A written program may leave the tolerance.
+    #[error("the program may be up to {:.4} mm from the given path, beyond the tolerance", rounded_up(*deviation_mm))]
     RoundingExceedsTolerance { deviation_mm: f64 },
 }
 

@@ -50,6 +50,7 @@ use crate::geometry::plane_curve::PlaneCurve;
 use crate::geometry::segment::Segment;
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
+use crate::toolpath::units::rounded_up;
 use crate::toolpath::{PathError, Toolpath};
 pub use compensation::CompensationError;
 use corridor::Corridor;
@@ -129,11 +130,11 @@ pub struct Report {
 }
 
 /// Something the caller should know that does not stop the job.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Warning {
-    /// Rounding to the program's decimals may leave the band.
+    #[error("rounding to the program's decimals moves the path up to {:.4} mm from the curve, beyond the band", rounded_up(*deviation_mm))]
     RoundingLeavesBand { deviation_mm: f64 },
-    /// The cutter does not reach all of the contour.
+    #[error("the contour is curved more tightly than the cutter: material up to {:.4} mm thick stays", rounded_up(*uncut_mm))]
     ContourNotReached { uncut_mm: f64 },
 }
 

@@ -71,6 +71,7 @@ use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::path::{Builder, PathError};
 use crate::toolpath::quantize::QuantizeError;
+use crate::toolpath::units::rounded_up;
 use candidate::{Route, routes};
 pub use check::{Exception, Invalid};
 use conditions::Conditions;
@@ -92,13 +93,15 @@ pub struct Plan {
 }
 
 /// Something about the plan that the operator should know.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Warning {
-    /// Places of the pocket that the tool cannot reach stay uncut, besides corners.
+    #[error("the tool cannot reach {count} places of the pocket, which stay uncut; the largest has {:.1} mm2, near ({:.3}, {:.3})", largest.area_mm2, largest.at.x, largest.at.y)]
     PlacesNotReached { count: usize, largest: Uncut },
-    /// The stepover is larger than the radius: rings lie closer where they would leave material.
+    #[error(
+        "the stepover is larger than the cutter's radius: rings lie closer where they would leave material"
+    )]
     StepoverNarrowed,
-    /// Islands are as coarse as the cells of a grid, and the path cuts into the part up to this depth, mm.
+    #[error("islands by labelling are as coarse as the grid, and the path cuts up to {:.4} mm into the part", rounded_up(*gouge_mm))]
     IslandsByLabelling { gouge_mm: f64 },
 }
 

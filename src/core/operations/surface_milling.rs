@@ -52,6 +52,7 @@ use crate::machining::offset_section::SectionError;
 use crate::machining::regularity::Irregular;
 use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
+use crate::toolpath::units::rounded_up;
 use crate::toolpath::{PathError, Toolpath};
 pub use job::{
     Boundary, CutDirection, DEFAULT_MOVE_LIMIT, DEFAULT_PLANE_LIMIT, DEFAULT_POINT_LIMIT, Engine, Entry,
@@ -108,23 +109,27 @@ pub struct Report {
 }
 
 /// Something the caller should know that does not stop the job.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Warning {
-    /// `not_a_knot` fell to the interpolating polynomial along this direction (fewer than 4 points).
+    #[error("not-a-knot ends need 4 points along {direction}; there are {points}")]
     EndsReduced { direction: &'static str, points: usize },
-    /// The scallop height is not proved: the cutter is not a ball, or cannot follow the surface everywhere.
+    #[error(
+        "the report has no scallop height, because the cutter is no ball or cannot follow the surface everywhere"
+    )]
     ScallopNotProved,
-    /// Neighbouring passes do not meet: stock of any height is left between them.
+    #[error(
+        "the cuts of passes {stepover_mm} mm apart do not overlap everywhere: material stays between the passes"
+    )]
     PassesApart { stepover_mm: f64 },
-    /// Pieces of passes that are shorter than a tenth of the cutter's radius are left out and not cut.
+    #[error("{count} pieces of passes are shorter than a tenth of the cutter's radius and left out, and their material stays; the longest is {:.4} mm", rounded_up(*longest_mm))]
     ShortPiecesLeftOut { count: usize, longest_mm: f64 },
-    /// Both extents of the part in plan are less than the diameter of the cutter.
+    #[error("the part is smaller than the cutter along x and along y: check that the points are in mm")]
     PartSmallerThanCutter,
-    /// The job does not state its stock: rapids come down to this height above the finished surface.
+    #[error("no stock is given: rapids come down to {approach_mm} mm above the surface")]
     StockNotGiven { approach_mm: f64 },
-    /// The number of entries and exits without room: there the cutter goes straight down or up.
+    #[error("{count} entries and exits have no room: there the cutter goes straight down or up")]
     EntryNotClear { count: usize },
-    /// The path is a roughing path and cuts this deep into the surface.
+    #[error("the path is for roughing and cuts up to {:.4} mm into the surface", rounded_up(*depth_mm))]
     RoughingPathGouges { depth_mm: f64 },
 }
 

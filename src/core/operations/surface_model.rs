@@ -53,13 +53,15 @@ pub struct Model {
 }
 
 /// Something the caller should know that does not stop the model.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Warning {
-    /// `not_a_knot` fell to the interpolating polynomial along this direction (fewer than 4 points).
+    #[error("not-a-knot ends need 4 points along {direction}; there are {points}")]
     EndsReduced { direction: &'static str, points: usize },
-    /// Patches leave a gap or meet in a sharp edge: sections of the offset cannot mill the surface.
+    #[error("{0}")]
     NotSmooth(NotSmooth),
-    /// The surface has a place without a normal.
+    #[error(
+        "the surface has, or may have, a place without a normal, such as a pole: the report has no curvature"
+    )]
     NoNormal,
 }
 

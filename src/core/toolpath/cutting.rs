@@ -1,8 +1,6 @@
 //! The conditions of a cut: the feed for each role of a move, the spindle, the coolant, and the heights of
 //! rapids. [`CuttingRequest`] is what was asked for. [`Cutting`] is the same with all defaults filled in.
 
-use std::fmt;
-
 use super::path::Role;
 use super::program::Program;
 use super::tool::Tool;
@@ -55,27 +53,13 @@ pub struct CuttingRequest {
     pub retract_z_mm: Option<f64>,
 }
 
-/// A height of rapids.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RapidPlane {
-    Clearance,
-    Retract,
-}
-
-impl fmt::Display for RapidPlane {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Clearance => "clearance plane",
-            Self::Retract => "retract plane",
-        })
-    }
-}
-
 /// Why a height contradicts the part or another height.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum HeightError {
-    #[error("the {plane} at {z_mm} mm is below the top of the part and its stock at {top_mm} mm")]
-    BelowTop { plane: RapidPlane, z_mm: f64, top_mm: f64 },
+    #[error("the retract plane at {z_mm} mm is below the top of the part and its stock at {top_mm} mm")]
+    RetractBelowTop { z_mm: f64, top_mm: f64 },
+    #[error("the clearance plane at {z_mm} mm is below the top of the part and its stock at {top_mm} mm")]
+    ClearanceBelowTop { z_mm: f64, top_mm: f64 },
     #[error("the clearance plane at {clearance_mm} mm is below the retract plane at {retract_mm} mm")]
     ClearanceBelowRetract { clearance_mm: f64, retract_mm: f64 },
 }
@@ -113,16 +97,16 @@ impl CuttingRequest {
     /// # Errors
     /// When a height is below the top, or the clearance plane below the retract plane.
     pub fn above(&self, top_mm: f64) -> Result<Cutting, HeightError> {
-        let above_top = |plane, height: Option<f64>, default: f64| match height {
-            Some(z_mm) if z_mm < top_mm - TOP_ACCURACY_MM => {
-                Err(HeightError::BelowTop { plane, z_mm, top_mm })
-            }
+        let above_top = |height: Option<f64>, default_mm: f64| match height {
+            Some(z_mm) if z_mm < top_mm - TOP_ACCURACY_MM => Err(z_mm),
             Some(z_mm) => Ok(z_mm),
-            None => Ok(top_mm + default),
+            None => Ok(top_mm + default_mm),
         };
-        let retract_z_mm = above_top(RapidPlane::Retract, self.retract_z_mm, RETRACT_ABOVE_TOP_MM)?;
+        let retract_z_mm = above_top(self.retract_z_mm, RETRACT_ABOVE_TOP_MM)
+            .map_err(|z_mm| HeightError::RetractBelowTop { z_mm, top_mm })?;
         let default_clearance = CLEARANCE_ABOVE_TOP_MM.max(retract_z_mm - top_mm);
-        let clearance_z_mm = above_top(RapidPlane::Clearance, self.clearance_z_mm, default_clearance)?;
+        let clearance_z_mm = above_top(self.clearance_z_mm, default_clearance)
+            .map_err(|z_mm| HeightError::ClearanceBelowTop { z_mm, top_mm })?;
         if clearance_z_mm < retract_z_mm {
             let (clearance_mm, retract_mm) = (clearance_z_mm, retract_z_mm);
             return Err(HeightError::ClearanceBelowRetract { clearance_mm, retract_mm });
@@ -212,17 +196,19 @@ impl Cutting {
 }
 
 /// Something about a cut that is legal and yet often a mistake.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Caution {
-    /// There is no spindle speed: the program starts no spindle.
+    #[error("no spindle speed is given: the program starts no spindle")]
     NoSpindleSpeed,
-    /// No tool number was given: the first tool of the table is called.
+    #[error("no tool number is given: the program calls tool 1")]
     NoToolNumber,
-    /// No work offset was given: the program uses the one that is active.
+    #[error("no work offset is given: the program runs with the active work offset")]
     NoWorkOffset,
-    /// No clearance plane was given: this one, mm, is above everything that is cut.
+    #[error(
+        "no clearance plane is given: the program goes to z {z_mm} mm, above everything that the toolpath cuts"
+    )]
     ClearanceChosen { z_mm: f64 },
-    /// The tool is used with the length offset of another place in the table.
+    #[error("tool {number} runs with the length offset {length_offset}")]
     LengthOffsetDiffers { number: u32, length_offset: u32 },
 }
 
@@ -277,12 +263,11 @@ mod tests {
 
     #[test]
     fn heights_below_the_part_or_each_other_are_refused() {
-        for (plane, request) in [
-            (RapidPlane::Retract, CuttingRequest { retract_z_mm: Some(9.0), ..request() }),
-            (RapidPlane::Clearance, CuttingRequest { clearance_z_mm: Some(9.0), ..request() }),
-        ] {
-            assert_eq!(request.above(TOP), Err(HeightError::BelowTop { plane, z_mm: 9.0, top_mm: TOP }));
-        }
+        let (z_mm, top_mm) = (9.0, TOP);
+        let retract = CuttingRequest { retract_z_mm: Some(z_mm), ..request() };
+        assert_eq!(retract.above(TOP), Err(HeightError::RetractBelowTop { z_mm, top_mm }));
+        let clearance = CuttingRequest { clearance_z_mm: Some(z_mm), ..request() };
+        assert_eq!(clearance.above(TOP), Err(HeightError::ClearanceBelowTop { z_mm, top_mm }));
         let crossed = CuttingRequest { retract_z_mm: Some(15.0), clearance_z_mm: Some(11.0), ..request() };
         let expected = HeightError::ClearanceBelowRetract { clearance_mm: 11.0, retract_mm: 15.0 };
         assert_eq!(crossed.above(TOP), Err(expected));

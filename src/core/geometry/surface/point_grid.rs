@@ -18,8 +18,6 @@
 //! of Sculptured Surface of Die", 1989, section 3.1, eq. 1-7. The paper has only [`Twist::Zero`] (eq. 6), and
 //! does not print the end conditions of its splines.
 
-use std::fmt;
-
 use nalgebra::{Point3, Vector3};
 
 use super::bezier::BezierSurface;
@@ -81,17 +79,6 @@ pub enum Edge {
     V1,
 }
 
-impl fmt::Display for Edge {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::U0 => "u0",
-            Self::U1 => "u1",
-            Self::V0 => "v0",
-            Self::V1 => "v1",
-        })
-    }
-}
-
 /// Why a grid makes no surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum GridError {
@@ -104,10 +91,10 @@ pub enum GridError {
     #[error("point [{i}][{j}] is not finite")]
     NotFinite { i: usize, j: usize },
     #[error(
-        "there are {given} end tangents along {edge} for {expected} boundary points; each boundary point needs one end tangent"
+        "there are {given} end tangents along {edge:?} for {expected} boundary points; each boundary point needs one end tangent"
     )]
     EndTangents { edge: Edge, given: usize, expected: usize },
-    #[error("an end tangent along {edge} is not finite")]
+    #[error("an end tangent along {edge:?} is not finite")]
     EndTangentNotFinite { edge: Edge },
 }
 

@@ -8,29 +8,25 @@ use toolpathd_post::rewrite::RewriteError;
 
 impl From<&arc_fitting::Warning> for Warning {
     fn from(warning: &arc_fitting::Warning) -> Self {
-        match *warning {
-            arc_fitting::Warning::RoundingExceedsTolerance { deviation_mm } => Self::new(
-                WarningCode::RoundingExceedsTolerance,
-                format!(
-                    "rounding to the program's decimals moves the path up to {:.4} mm from the points, beyond the tolerance: send more `decimals`",
-                    rounded_up(deviation_mm)
-                ),
-            ),
-            arc_fitting::Warning::CoarseSamples { deviation_mm } => Self::new(
-                WarningCode::CoarseSamples,
-                format!(
-                    "the elements are up to {:.4} mm from the straight lines between the points: if the part really consists of these straight lines, send `measure: polyline`",
-                    rounded_up(deviation_mm)
-                ),
-            ),
-            arc_fitting::Warning::ToleranceExceeded { deviation_mm } => Self::new(
+        use arc_fitting::Warning as Of;
+        let fact = warning.to_string();
+        let (code, detail) = match *warning {
+            Of::RoundingExceedsTolerance { .. } => {
+                (WarningCode::RoundingExceedsTolerance, format!("{fact}: send more `decimals`"))
+            }
+            Of::CoarseSamples { .. } => {
+                let advice = "if the part really consists of these straight lines, send `measure: polyline`";
+                (WarningCode::CoarseSamples, format!("{fact}: {advice}"))
+            }
+            Of::ToleranceExceeded { deviation_mm } => (
                 WarningCode::ToleranceExceeded,
                 format!(
                     "`method: biarc` ignores the tolerance: the elements are up to {:.4} mm from the straight lines between the points",
                     rounded_up(deviation_mm)
                 ),
             ),
-        }
+        };
+        Self { code, detail }
     }
 }
 
@@ -52,7 +48,7 @@ impl From<RewriteError> for ApiError {
         let fact = error.to_string();
         match error {
             RewriteError::Stopped(stopped) => stopped.into(),
-            RewriteError::LineTooLong { line: _, limit: _ } => Self::new(Code::LimitExceeded, fact),
+            RewriteError::LineTooLong { .. } => Self::new(Code::LimitExceeded, fact),
         }
     }
 }

@@ -10,8 +10,10 @@ use toolpathd_post::path_text::{PathFault, PathTextError};
 
 impl From<&five_axis::Warning> for Warning {
     fn from(warning: &five_axis::Warning) -> Self {
-        match *warning {
-            five_axis::Warning::ToleranceExceeded { deviation_mm, deviation_deg } => Self::new(
+        use five_axis::Warning as Of;
+        let fact = warning.to_string();
+        let (code, detail) = match *warning {
+            Of::ToleranceExceeded { deviation_mm, deviation_deg } => (
                 WarningCode::ToleranceExceeded,
                 format!(
                     "`method: paper` leaves the tolerances: up to {:.4} mm and {:.4} degrees from the given path; send `interpolating`",
@@ -19,20 +21,13 @@ impl From<&five_axis::Warning> for Warning {
                     rounded_up(deviation_deg)
                 ),
             ),
-            five_axis::Warning::LimitsNotProved { at } => Self::new(
-                WarningCode::LimitsNotProved,
-                format!(
-                    "near {at} mm the tool axis passes a pole of the machine, where the limits of the axes are checked but not proved; lean the axis a little there"
-                ),
-            ),
-            five_axis::Warning::RoundingExceedsTolerance { deviation_mm } => Self::new(
-                WarningCode::RoundingExceedsTolerance,
-                format!(
-                    "the program may be up to {:.4} mm from the given path, beyond the tolerance: send more `decimals`, or a larger `tolerance_mm`",
-                    rounded_up(deviation_mm)
-                ),
-            ),
-        }
+            Of::LimitsNotProved { .. } => (WarningCode::LimitsNotProved, fact),
+            Of::RoundingExceedsTolerance { .. } => {
+                let advice = "send more `decimals`, or a larger `tolerance_mm`";
+                (WarningCode::RoundingExceedsTolerance, format!("{fact}: {advice}"))
+            }
+        };
+        Self { code, detail }
     }
 }
 

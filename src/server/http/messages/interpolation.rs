@@ -8,26 +8,18 @@ use toolpathd_core::geometry::plane_curve::nurbs::NurbsError;
 use toolpathd_core::geometry::plane_curve::weights::WeightError;
 use toolpathd_core::language::expression::Undefined;
 use toolpathd_core::operations::interpolation::{self, CompensationError, Error, SourceError};
-use toolpathd_core::toolpath::units::rounded_up;
 
 impl From<&interpolation::Warning> for Warning {
     fn from(warning: &interpolation::Warning) -> Self {
-        match *warning {
-            interpolation::Warning::RoundingLeavesBand { deviation_mm } => Self::new(
-                WarningCode::RoundingLeavesBand,
-                format!(
-                    "rounding to the program's decimals moves the path up to {:.4} mm from the curve, beyond the band: send more `decimals`",
-                    rounded_up(deviation_mm)
-                ),
-            ),
-            interpolation::Warning::ContourNotReached { uncut_mm } => Self::new(
-                WarningCode::ContourNotReached,
-                format!(
-                    "the contour is curved more tightly than the cutter: material up to {:.4} mm thick stays",
-                    rounded_up(uncut_mm)
-                ),
-            ),
-        }
+        use interpolation::Warning as Of;
+        let fact = warning.to_string();
+        let (code, detail) = match warning {
+            Of::RoundingLeavesBand { .. } => {
+                (WarningCode::RoundingLeavesBand, format!("{fact}: send more `decimals`"))
+            }
+            Of::ContourNotReached { .. } => (WarningCode::ContourNotReached, fact),
+        };
+        Self { code, detail }
     }
 }
 
@@ -51,9 +43,7 @@ impl From<Error> for ApiError {
             Error::CompensatedParabola => {
                 unsupported("/compensation", format!("{fact}; use the method `linear` or `arc`"))
             }
-            Error::TooManyElements { limit: _ } | Error::TooManySteps { limit: _ } => {
-                too_large("/band", fact)
-            }
+            Error::TooManyElements { .. } | Error::TooManySteps { .. } => too_large("/band", fact),
             Error::BandInfeasible { at } => Self::new(Code::BandInfeasible, fact)
                 .blaming(&member("/band"), FieldCode::OutOfRange)
                 .at(in_plane(at)),
@@ -75,7 +65,7 @@ impl From<CompensationError> for ApiError {
                 Self::new(Code::NothingToCut, fact).blaming(&diameter, FieldCode::OutOfRange)
             }
             CompensationError::Gouges { at } => Self::new(Code::ToleranceNotReached, fact).at(in_plane(at)),
-            CompensationError::TooMany { limit: _ } => too_large("/band", fact),
+            CompensationError::TooMany { .. } => too_large("/band", fact),
         }
     }
 }

@@ -4,53 +4,27 @@ use super::{Warning, WarningCode, member, too_large};
 use crate::http::error::{ApiError, Code, FieldCode};
 use toolpathd_core::operations::surface_milling::{self, Error};
 use toolpathd_core::toolpath::PathError;
-use toolpathd_core::toolpath::units::rounded_up;
 
 impl From<&surface_milling::Warning> for Warning {
     fn from(warning: &surface_milling::Warning) -> Self {
-        match *warning {
-            surface_milling::Warning::EndsReduced { direction, points } => {
-                Self::ends_reduced(direction, points)
-            }
-            surface_milling::Warning::ScallopNotProved => Self::new(
-                WarningCode::ScallopNotProved,
-                "the report has no scallop height, because the cutter is no ball or cannot follow the surface everywhere",
-            ),
-            surface_milling::Warning::ShortPiecesLeftOut { count, longest_mm } => Self::new(
-                WarningCode::ShortPiecesLeftOut,
-                format!(
-                    "{count} pieces of passes are shorter than a tenth of the cutter's radius and left out, and their material stays; the longest is {:.4} mm",
-                    rounded_up(longest_mm)
-                ),
-            ),
-            surface_milling::Warning::PartSmallerThanCutter => Self::new(
-                WarningCode::PartSmallerThanCutter,
-                "the part is smaller than the cutter along x and along y: check that the points are in mm",
-            ),
-            surface_milling::Warning::StockNotGiven { approach_mm } => Self::new(
+        use surface_milling::Warning as Of;
+        let fact = warning.to_string();
+        let (code, detail) = match *warning {
+            Of::EndsReduced { direction, points } => return Self::ends_reduced(direction, points),
+            Of::ScallopNotProved => (WarningCode::ScallopNotProved, fact),
+            Of::ShortPiecesLeftOut { .. } => (WarningCode::ShortPiecesLeftOut, fact),
+            Of::PartSmallerThanCutter => (WarningCode::PartSmallerThanCutter, fact),
+            Of::StockNotGiven { approach_mm } => (
                 WarningCode::StockNotGiven,
                 format!(
                     "`stock` is absent: rapids come down to {approach_mm} mm above the surface; make sure that no stock is higher there, or send `stock`"
                 ),
             ),
-            surface_milling::Warning::EntryNotClear { count } => Self::new(
-                WarningCode::EntryNotClear,
-                format!("{count} entries and exits have no room: there the cutter goes straight down or up"),
-            ),
-            surface_milling::Warning::RoughingPathGouges { depth_mm } => Self::new(
-                WarningCode::RoughingPathGouges,
-                format!(
-                    "the path is for roughing and cuts up to {:.4} mm into the surface",
-                    rounded_up(depth_mm)
-                ),
-            ),
-            surface_milling::Warning::PassesApart { stepover_mm } => Self::new(
-                WarningCode::PassesApart,
-                format!(
-                    "the cuts of passes {stepover_mm} mm apart do not overlap everywhere: material stays between the passes"
-                ),
-            ),
-        }
+            Of::EntryNotClear { .. } => (WarningCode::EntryNotClear, fact),
+            Of::RoughingPathGouges { .. } => (WarningCode::RoughingPathGouges, fact),
+            Of::PassesApart { .. } => (WarningCode::PassesApart, fact),
+        };
+        Self { code, detail }
     }
 }
 
@@ -80,23 +54,19 @@ impl From<Error> for ApiError {
                 Self::new(Code::OffsetFolds, format!("{fact}; {advice}")).at(at.into())
             }
             Error::Heights(heights) => heights.into(),
-            Error::ToleranceBelowResolution { tolerance_mm: _, decimals: _, least_mm: _ } => {
-                Self::new(Code::ToleranceBelowDecimals, fact)
-                    .blaming(&member("/tolerance_mm"), FieldCode::ToleranceBelowDecimals)
-                    .blaming(&member("/program/decimals"), FieldCode::ToleranceBelowDecimals)
-            }
-            Error::ToleranceNotReached { tolerance_mm: _, deviation_mm: _, at } => {
-                Self::new(Code::ToleranceNotReached, fact).at(at.into())
-            }
-            Error::TooMuchWork { what: _, needed: _, limit: _ } => too_large("/strategy", fact),
+            Error::ToleranceBelowResolution { .. } => Self::new(Code::ToleranceBelowDecimals, fact)
+                .blaming(&member("/tolerance_mm"), FieldCode::ToleranceBelowDecimals)
+                .blaming(&member("/program/decimals"), FieldCode::ToleranceBelowDecimals),
+            Error::ToleranceNotReached { at, .. } => Self::new(Code::ToleranceNotReached, fact).at(at.into()),
+            Error::TooMuchWork { .. } => too_large("/strategy", fact),
             Error::NothingToCut => Self::new(Code::NothingToCut, fact),
             Error::SectionLost { at } => Self::new(Code::SectionLost, fact).at(at.into()),
             Error::Quantize(quantize) => quantize.into(),
-            Error::Path(PathError::TooManyMoves { limit: _ }) => {
+            Error::Path(PathError::TooManyMoves { .. }) => {
                 let advice = "send a larger spacing of passes or a larger tolerance";
                 too_large("/strategy", format!("{fact}: {advice}"))
             }
-            Error::TooManyPoints { limit: _ } => {
+            Error::TooManyPoints { .. } => {
                 too_large("/step_length_mm", fact).blaming(&member("/strategy"), FieldCode::LimitExceeded)
             }
             Error::Path(_) => Self::new(Code::InternalError, fact),
@@ -113,7 +83,7 @@ mod tests {
     use toolpathd_core::geometry::surface::joints::NotSmooth;
     use toolpathd_core::geometry::surface::nurbs::NurbsError;
     use toolpathd_core::geometry::surface::point_grid::GridError;
-    use toolpathd_core::toolpath::cutting::{HeightError, RapidPlane};
+    use toolpathd_core::toolpath::cutting::HeightError;
     use toolpathd_core::toolpath::quantize::QuantizeError;
 
     /// The code of the problem and the pointers of its violations.
@@ -130,7 +100,7 @@ mod tests {
             (Error::Overhang { at }, Code::Overhang, &[]),
             (Error::OffsetFolds { at }, Code::OffsetFolds, &[]),
             (
-                Error::Heights(HeightError::BelowTop { plane: RapidPlane::Retract, z_mm: 1.0, top_mm: 2.0 }),
+                Error::Heights(HeightError::RetractBelowTop { z_mm: 1.0, top_mm: 2.0 }),
                 Code::HeightBelowTop,
                 &["#/cutting/retract_z_mm"],
             ),

@@ -11,24 +11,21 @@ impl Warning {
         let detail = format!(
             "`not_a_knot` needs 4 points along {direction}; with {points} points the surface follows the polynomial through the points"
         );
-        Self::new(WarningCode::EndsReduced, detail)
+        Self { code: WarningCode::EndsReduced, detail }
     }
 }
 
 impl From<&surface_model::Warning> for Warning {
     fn from(warning: &surface_model::Warning) -> Self {
+        use surface_model::Warning as Of;
+        let fact = warning.to_string();
         match warning {
-            surface_model::Warning::EndsReduced { direction, points } => {
-                Self::ends_reduced(direction, *points)
+            Of::EndsReduced { direction, points } => Self::ends_reduced(direction, *points),
+            Of::NotSmooth(_) => {
+                let advice = "`engine: offset_section` refuses this surface, `engine: contact` mills it";
+                Self { code: WarningCode::NotSmooth, detail: format!("{fact}: {advice}") }
             }
-            surface_model::Warning::NotSmooth(fault) => Self::new(
-                WarningCode::NotSmooth,
-                format!("{fault}: `engine: offset_section` refuses this surface, `engine: contact` mills it"),
-            ),
-            surface_model::Warning::NoNormal => Self::new(
-                WarningCode::NoNormal,
-                "the surface has, or may have, a place without a normal, such as a pole: the report has no curvature",
-            ),
+            Of::NoNormal => Self { code: WarningCode::NoNormal, detail: fact },
         }
     }
 }
@@ -63,8 +60,8 @@ impl From<WireError> for ApiError {
         let fact = error.to_string();
         match error {
             WireError::Stopped(stopped) => stopped.into(),
-            WireError::TooManyWires { needed: _, limit: _ } => too_large("/wires/pitch_mm", fact),
-            WireError::TooManyPoints { limit: _ } => too_large("/wires", fact),
+            WireError::TooManyWires { .. } => too_large("/wires/pitch_mm", fact),
+            WireError::TooManyPoints { .. } => too_large("/wires", fact),
             WireError::Overhang { at } => Self::new(Code::Overhang, fact).at(at.into()),
             WireError::SectionLost { at } => Self::new(Code::SectionLost, fact).at(at.into()),
         }

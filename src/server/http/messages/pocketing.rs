@@ -11,26 +11,23 @@ use toolpathd_core::toolpath::units::rounded_up;
 
 impl From<&pocketing::Warning> for Warning {
     fn from(warning: &pocketing::Warning) -> Self {
-        match warning {
-            pocketing::Warning::PlacesNotReached { count, largest } => Self::new(
-                WarningCode::PlacesNotReached,
-                format!(
-                    "the tool cannot reach {count} places of the pocket, which stay uncut; the largest has {:.1} mm2, near ({:.3}, {:.3})",
-                    largest.area_mm2, largest.at.x, largest.at.y
-                ),
-            ),
-            pocketing::Warning::IslandsByLabelling { gouge_mm } => Self::new(
+        use pocketing::Warning as Of;
+        let (code, detail) = match *warning {
+            Of::PlacesNotReached { .. } => (WarningCode::PlacesNotReached, warning.to_string()),
+            Of::IslandsByLabelling { gouge_mm } => (
                 WarningCode::RoughingPathGouges,
                 format!(
                     "`islands_by` is `labelling`: islands are as coarse as the grid, and the path cuts up to {:.4} mm into the part; send `slicing` for exact islands",
-                    rounded_up(*gouge_mm)
+                    rounded_up(gouge_mm)
                 ),
             ),
-            pocketing::Warning::StepoverNarrowed => Self::new(
+            Of::StepoverNarrowed => (
                 WarningCode::StepoverNarrowed,
-                "`stepover_mm` is larger than the cutter's radius: rings lie closer where they would leave material",
+                "`stepover_mm` is larger than the cutter's radius: rings lie closer where they would leave material"
+                    .to_owned(),
             ),
-        }
+        };
+        Self { code, detail }
     }
 }
 

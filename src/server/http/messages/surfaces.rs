@@ -35,7 +35,7 @@ impl From<NotSmooth> for ApiError {
         let fact = error.to_string();
         match error {
             NotSmooth::Stopped(stopped) => stopped.into(),
-            NotSmooth::Edge { at, angle_deg: _ } => Self::new(Code::NotSmooth, fact).at(at.into()),
+            NotSmooth::Edge { at, .. } => Self::new(Code::NotSmooth, fact).at(at.into()),
             NotSmooth::Gap { at, gap_mm: _, patches: [_, [i, j]] } => {
                 let patch = surface().field("patches").index(i).index(j);
                 Self::new(Code::NotSmooth, fact).at(at.into()).blaming(&patch, FieldCode::PatchesApart)
@@ -59,11 +59,11 @@ fn of_grid(error: GridError) -> (Pointer, FieldCode) {
         })
     };
     match error {
-        GridError::TooFewRows { rows: _ } => (points, FieldCode::TooFewPoints),
-        GridError::TooFewPoints { row, points: _ } => (points.index(row), FieldCode::TooFewPoints),
-        GridError::Ragged { row, points: _, expected: _ } => (points.index(row), FieldCode::RaggedGrid),
+        GridError::TooFewRows { .. } => (points, FieldCode::TooFewPoints),
+        GridError::TooFewPoints { row, .. } => (points.index(row), FieldCode::TooFewPoints),
+        GridError::Ragged { row, .. } => (points.index(row), FieldCode::RaggedGrid),
         GridError::NotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
-        GridError::EndTangents { edge, given: _, expected: _ } => (at(edge), FieldCode::WrongLength),
+        GridError::EndTangents { edge, .. } => (at(edge), FieldCode::WrongLength),
         GridError::EndTangentNotFinite { edge } => (at(edge), FieldCode::TooLarge),
     }
 }
@@ -78,10 +78,8 @@ fn of_ferguson(error: FergusonError) -> (Pointer, FieldCode) {
         })
     };
     match error {
-        FergusonError::Rows { grid, found: _, expected: _ } => (at(grid), FieldCode::WrongLength),
-        FergusonError::Columns { grid, row, found: _, expected: _ } => {
-            (at(grid).index(row), FieldCode::WrongLength)
-        }
+        FergusonError::Rows { grid, .. } => (at(grid), FieldCode::WrongLength),
+        FergusonError::Columns { grid, row, .. } => (at(grid).index(row), FieldCode::WrongLength),
         FergusonError::NotFinite { grid, row, column } => {
             (at(grid).index(row).index(column), FieldCode::TooLarge)
         }
@@ -92,7 +90,7 @@ fn of_nets(error: NetGridError) -> (Pointer, FieldCode) {
     let patches = surface().field("patches");
     match error {
         NetGridError::Empty => (patches, FieldCode::TooFewPoints),
-        NetGridError::Ragged { row, found: _, expected: _ } => (patches.index(row), FieldCode::RaggedGrid),
+        NetGridError::Ragged { row, .. } => (patches.index(row), FieldCode::RaggedGrid),
         NetGridError::NotFinite { i, j } => (patches.index(i).index(j), FieldCode::TooLarge),
     }
 }
@@ -103,27 +101,21 @@ fn of_nurbs(error: NurbsError) -> (Pointer, FieldCode) {
     let points = surface().field("control_points");
     let weights = surface().field("weights");
     match error {
-        NurbsError::Degree { along, degree: _ } => {
-            (of(["degree_u", "degree_v"], along), FieldCode::OutOfRange)
-        }
-        NurbsError::TooFewPoints { along: _, points: _, degree: _ } => (points, FieldCode::TooFewPoints),
-        NurbsError::Ragged { row, found: _, expected: _ } => (points.index(row), FieldCode::RaggedGrid),
+        NurbsError::Degree { along, .. } => (of(["degree_u", "degree_v"], along), FieldCode::OutOfRange),
+        NurbsError::TooFewPoints { .. } => (points, FieldCode::TooFewPoints),
+        NurbsError::Ragged { row, .. } => (points.index(row), FieldCode::RaggedGrid),
         NurbsError::PointNotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
-        NurbsError::KnotCount { along, found: _, points: _, degree: _ } => {
-            (knots(along), FieldCode::WrongLength)
-        }
+        NurbsError::KnotCount { along, .. } => (knots(along), FieldCode::WrongLength),
         NurbsError::EmptyDomain { along } => (knots(along), FieldCode::OutOfRange),
         NurbsError::KnotsDecrease { along, index }
         | NurbsError::SpanTooShort { along, index }
-        | NurbsError::KnotMultiplicity { along, index, multiplicity: _, degree: _ } => {
+        | NurbsError::KnotMultiplicity { along, index, .. } => {
             (knots(along).index(index), FieldCode::OutOfRange)
         }
-        NurbsError::TooManyPatches { patches: _, limit: _ } => (points, FieldCode::LimitExceeded),
-        NurbsError::WeightRows { found: _, expected: _ } => (weights, FieldCode::WrongLength),
-        NurbsError::WeightColumns { row, found: _, expected: _ } => {
-            (weights.index(row), FieldCode::WrongLength)
-        }
-        NurbsError::Weight { i, j, weight: _ } | NurbsError::WeightRatio { i, j, weight: _, largest: _ } => {
+        NurbsError::TooManyPatches { .. } => (points, FieldCode::LimitExceeded),
+        NurbsError::WeightRows { .. } => (weights, FieldCode::WrongLength),
+        NurbsError::WeightColumns { row, .. } => (weights.index(row), FieldCode::WrongLength),
+        NurbsError::Weight { i, j, .. } | NurbsError::WeightRatio { i, j, .. } => {
             (weights.index(i).index(j), FieldCode::OutOfRange)
         }
     }
@@ -132,7 +124,7 @@ fn of_nurbs(error: NurbsError) -> (Pointer, FieldCode) {
 fn of_parallel_sweep(error: ParallelSweepError) -> (Pointer, FieldCode) {
     match error {
         ParallelSweepError::Empty => (surface(), FieldCode::TooFewPoints),
-        ParallelSweepError::TooManyPatches { patches: _ } => (surface(), FieldCode::LimitExceeded),
+        ParallelSweepError::TooManyPatches { .. } => (surface(), FieldCode::LimitExceeded),
     }
 }
 
@@ -141,10 +133,10 @@ fn of_normal_sweep(error: NormalSweepError, fact: String) -> ApiError {
     ApiError::invalid(vec![match error {
         NormalSweepError::Empty => FieldError::new(&surface(), FieldCode::TooFewPoints, fact),
         NormalSweepError::TooManyPatches => FieldError::new(&surface(), FieldCode::LimitExceeded, fact),
-        NormalSweepError::Corner { place, turn_deg: _ }
-        | NormalSweepError::Reversal { place, turn_deg: _ }
-        | NormalSweepError::Fold { place, side: _, reach_mm: _, radius_mm: _ }
-        | NormalSweepError::Mitre { place, side: _, reach_mm: _, room_mm: _ }
+        NormalSweepError::Corner { place, .. }
+        | NormalSweepError::Reversal { place, .. }
+        | NormalSweepError::Fold { place, .. }
+        | NormalSweepError::Mitre { place, .. }
         | NormalSweepError::Cusp { place } => FieldError::in_text(&basic, place, FieldCode::OutOfRange, fact),
     }])
 }

@@ -12,12 +12,6 @@ pub struct Warning {
     pub detail: String,
 }
 
-impl Warning {
-    pub fn new(code: WarningCode, detail: impl Into<String>) -> Self {
-        Self { code, detail: detail.into() }
-    }
-}
-
 /// What a warning is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]

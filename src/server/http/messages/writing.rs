@@ -13,10 +13,10 @@ impl From<QuantizeError> for ApiError {
     fn from(error: QuantizeError) -> Self {
         let fact = error.to_string();
         match error {
-            QuantizeError::OutOfRange { value_mm: _ } => {
+            QuantizeError::OutOfRange { .. } => {
                 violation(&member("/program/decimals"), FieldCode::OutOfRange, fact)
             }
-            QuantizeError::TooManyPieces { limit: _ } => too_large("/program/decimals", fact),
+            QuantizeError::TooManyPieces { .. } => too_large("/program/decimals", fact),
         }
     }
 }
@@ -31,11 +31,11 @@ impl From<WriteError> for ApiError {
         match error {
             WriteError::Stopped(stopped) => stopped.into(),
             WriteError::Quantize(quantize) => quantize.into(),
-            WriteError::Decimals { decimals: _, max: _ } => out_of_range("/program/decimals", fact),
-            WriteError::ProgramNumber { number: _, max: _ } => out_of_range("/program/number", fact),
+            WriteError::Decimals { .. } => out_of_range("/program/decimals", fact),
+            WriteError::ProgramNumber { .. } => out_of_range("/program/number", fact),
             // Fewer decimals leave more digits before the point.
-            WriteError::TooManyDigits { limit: _ } => out_of_range("/program/decimals", fact),
-            WriteError::TooManyWholeDigits { limit: _ } => out_of_range("/program/dialect", fact),
+            WriteError::TooManyDigits { .. } => out_of_range("/program/decimals", fact),
+            WriteError::TooManyWholeDigits { .. } => out_of_range("/program/dialect", fact),
             WriteError::Missing(error) => {
                 let (at, detail) = missing(&error);
                 violation(&at, FieldCode::Unsupported, detail)
@@ -46,11 +46,11 @@ impl From<WriteError> for ApiError {
             }
             WriteError::NoDwells => unsupported("/program/dialect", fact),
             // Block numbers and decimals make lines long.
-            WriteError::LineTooLong { limit: _ } => out_of_range("/program/decimals", fact),
-            WriteError::SpindleSpeed { rpm: _ } => out_of_range("/cutting/spindle_rpm", fact),
+            WriteError::LineTooLong { .. } => out_of_range("/program/decimals", fact),
+            WriteError::SpindleSpeed { .. } => out_of_range("/cutting/spindle_rpm", fact),
             WriteError::FeedMissing => Self::new(Code::FeedRequired, fact),
             // Any feed of `cutting` may be at fault, also a plunge feed that is half of `feed_mm_per_min`.
-            WriteError::Feed { mm_per_min: _ } => out_of_range("/cutting", fact),
+            WriteError::Feed { .. } => out_of_range("/cutting", fact),
             WriteError::MachineMissing => {
                 let advice = "send `machine`, or `axis_output: vectors` in a dialect that has vectors";
                 violation(&member("/machine"), FieldCode::MissingField, format!("{fact}; {advice}"))
@@ -61,13 +61,11 @@ impl From<WriteError> for ApiError {
             }
             WriteError::NotFollowed { error, at } => Self::new(not_followed(&error), fact).at(at.into()),
             WriteError::NearPole { at } => Self::new(Code::AxisOnPole, fact).at(at.into()),
-            WriteError::InverseTime { seconds: _ } => Self::new(Code::LimitExceeded, fact),
-            WriteError::TooManyBlocks { limit: _ } => Self::new(Code::LimitExceeded, fact),
-            WriteError::Dwell { seconds: _, most_s: _ } => out_of_range("/program/dialect", fact),
+            WriteError::InverseTime { .. } => Self::new(Code::LimitExceeded, fact),
+            WriteError::TooManyBlocks { .. } => Self::new(Code::LimitExceeded, fact),
+            WriteError::Dwell { .. } => out_of_range("/program/dialect", fact),
             // These are faults of the service.
-            WriteError::Unreadable(_) | WriteError::Differs { line: _, what: _ } => {
-                Self::new(Code::InternalError, fact)
-            }
+            WriteError::Unreadable(_) | WriteError::Differs { .. } => Self::new(Code::InternalError, fact),
         }
     }
 }

@@ -7,7 +7,7 @@
 //! 1. Read each line (`block`), and follow the modal state of the control (`modes`).
 //! 2. Collect the blocks of each run (`run`).
 //! 3. Fit arcs and lines to the end points of these blocks, with a proof that they deviate from the path of
-//!    the run by at most the tolerance (`segments`). A run longer than [`WINDOW`] blocks is fitted in parts.
+//!    the run by at most the tolerance (`stretches`). A run longer than [`WINDOW`] blocks is fitted in parts.
 //! 4. Where the text of the arcs and lines is shorter than the blocks, write it in place of the blocks
 //!    (`text`). Copy all other blocks.
 //! 5. After an arc, the control is in G2 or G3, and perhaps in another plane than in the source program. If a
@@ -42,13 +42,13 @@
 mod block;
 mod modes;
 mod run;
-mod segments;
+mod stretches;
 mod text;
 
 use self::block::{Block, MAX_RUN_BLOCK_LENGTH};
 use self::modes::{Modes, Needs};
 use self::run::{Run, Style};
-use self::segments::Fitting;
+use self::stretches::Fitting;
 use self::text::{Output, Tally, Writer, line_end, push_with_g1};
 use super::dialect::Dialect;
 use super::nc::{Distance, Motion};
@@ -374,7 +374,7 @@ impl Rewriter {
             is_writable,
             budget,
         };
-        let segments = fitting.segments(&run.points, reach)?;
+        let stretches = fitting.stretches(&run.points, reach)?;
         self.written.clear();
         let mut writer = Writer {
             run,
@@ -388,9 +388,9 @@ impl Rewriter {
             is_refused: false,
         };
         let mut end = 0;
-        for segment in &segments {
-            writer.segment(end, segment);
-            end = segment.end;
+        for stretch in &stretches {
+            writer.stretch(end, stretch);
+            end = stretch.end;
         }
         let (output, tally) = (writer.output, writer.tally);
         // The plane may have to come back in a block of its own.

@@ -14,6 +14,7 @@ mod way;
 use nalgebra::Vector2;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::arc_fit::{Fit, Fitted, Points, Shape, fit};
+use toolpathd_core::geometry::segment::Segment;
 
 use way::{Way, order_deviation};
 
@@ -27,16 +28,15 @@ fn fitted(points: &[Vector2<f64>], request: &Fit) -> Fitted {
 
 /// The elements of a fit as ways, each with the indices of its first and last point.
 fn ways(found: &Fitted) -> Vec<(Way, [usize; 2])> {
-    let (mut from, mut first) = (found.start, 0);
+    let mut first = 0;
     let each = found.elements.iter().map(|element| {
         let way = match element.shape {
-            Shape::Line => Way::line(from, element.to),
-            // The bulge is positive to the left of the chord, where the arc turns clockwise.
-            Shape::Arc { bulge } => Way::arc(from, element.to, -4.0 * bulge.atan()),
-            Shape::FullCircle { center, is_ccw } => Way::turn(center, from, is_ccw),
+            Shape::Segment(Segment::Line { start, end }) => Way::line(start.coords, end.coords),
+            Shape::Segment(Segment::Arc(arc)) => Way::arc(arc.start().coords, arc.end().coords, arc.turn()),
+            Shape::FullCircle { at, center, is_ccw } => Way::turn(center.coords, at.coords, is_ccw),
         };
         let range = [first, element.end];
-        (from, first) = (element.to, element.end);
+        first = element.end;
         (way, range)
     });
     each.collect()

@@ -60,6 +60,10 @@ const CELLS_BETWEEN_CHECKS: usize = 64;
 const BREAKS_TO_PROBE: usize = 4;
 const PROBES: u32 = 9;
 
+/// A product of a few numbers times this is no less than the exact product: some forty roundings, of which
+/// six occur.
+const ROUNDED_UP: f64 = 1.0 + 1e-14;
+
 /// How the distance from the curve is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
@@ -279,7 +283,7 @@ fn bound(gauge: &impl Gauge, a: &Reading, b: &Reading) -> Interval {
 
 /// Encloses a function between its ends, from its values there and its second derivative.
 fn between(a: Interval, b: Interval, bend: Interval, width: f64) -> Interval {
-    let square = width * width * (1.0 + 1e-14);
+    let square = width * width * ROUNDED_UP;
     let above = bulge(b.hi() - a.hi(), (-bend.lo()).max(0.0) * square);
     let below = bulge(a.lo() - b.lo(), bend.hi().max(0.0) * square);
     let most = a.hi().max(b.hi()) + above;
@@ -298,7 +302,7 @@ fn bulge(rise: f64, bend: f64) -> f64 {
         return 0.0;
     }
     let over = bend - 2.0 * rise;
-    over * over / (8.0 * bend) * (1.0 + 1e-14)
+    over * over / (8.0 * bend) * ROUNDED_UP
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ mod chain;
 mod corner;
 mod grammar;
 
-pub use chain::{Chain, Item, Segment};
+pub use chain::{Chain, ChainPiece, Item};
 
 use crate::geometry::plane_curve::piecewise::{BezierError, PiecewiseError};
 pub use crate::geometry::profile::Shape;

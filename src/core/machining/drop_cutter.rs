@@ -20,12 +20,12 @@
 //! cutter touches all around, one search takes tens of milliseconds.
 
 mod axis_above_surface;
+mod chord_proof;
 mod drop;
 mod edge_contacts;
 mod lift_bound;
 mod newton;
 mod round;
-mod segment_proof;
 mod side;
 mod support;
 mod tip_section;
@@ -128,8 +128,7 @@ impl<'a, P: Patch> Contacts<'a, P> {
     /// Only the budget's stop.
     pub fn new(surface: &'a BezierSurface<P>, cutter: Cutter, budget: &Budget) -> Result<Self, Stopped> {
         let tree = Tree::new(surface, cutter.radius(), budget)?;
-        let bends =
-            surface.patches().iter().map(|patch| segment_proof::bends(patch, BEND_HALVINGS)).collect();
+        let bends = surface.patches().iter().map(|patch| chord_proof::bends(patch, BEND_HALVINGS)).collect();
         let smallest = SMALLEST_PART * (tree.bounds().magnitude() + cutter.radius());
         let size = (tree.bounds().max - tree.bounds().min).xy().norm();
         let scale = cutter.radius().min(SCALE_SHARE * size);

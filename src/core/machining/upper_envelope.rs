@@ -2,9 +2,9 @@
 //!
 //! # Method
 //! 1. Take the patches that the plane may meet. Halve each of them until the section of each part differs
-//!    little in height from its chord. This chord becomes a [`Segment`]. Where the section is nearly upright,
-//!    a narrow part becomes a level [`Segment`] at the height of its highest point (`part`).
-//! 2. Take the upper envelope of the segments of one section, or of several sections together ([`union`]).
+//!    little in height from its chord. This chord becomes a [`Stretch`]. Where the section is nearly upright,
+//!    a narrow part becomes a level [`Stretch`] at the height of its highest point (`part`).
+//! 2. Take the upper envelope of the stretches of one section, or of several sections together ([`union`]).
 //!
 //! # Guarantees
 //! * The height of the skyline is accurate to [`Accuracy::height_mm`] at every x. Near a nearly upright wall,
@@ -14,7 +14,7 @@
 //!   refused, for example because the surface lies in the plane.
 //!
 //! # Cost
-//! O(n log n + n m) for n segments, of which at most m lie over one x.
+//! O(n log n + n m) for n stretches, of which at most m lie over one x.
 
 mod envelope;
 mod part;
@@ -33,12 +33,12 @@ const PARTS_BETWEEN_CHECKS: usize = 256;
 
 /// A straight stretch of a section: points (x, z), mm, the first at the smaller x.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment {
+pub struct Stretch {
     pub from: Vector2<f64>,
     pub to: Vector2<f64>,
 }
 
-impl Segment {
+impl Stretch {
     /// The height over a place between the ends, mm.
     fn height(&self, x: f64) -> f64 {
         let share = ((x - self.from.x) / (self.to.x - self.from.x)).clamp(0.0, 1.0);
@@ -90,7 +90,7 @@ impl<'a, P: Patch> Profiles<'a, P> {
         y: f64,
         accuracy: Accuracy,
         budget: &Budget,
-    ) -> Result<Vec<Segment>, EnvelopeError> {
+    ) -> Result<Vec<Stretch>, EnvelopeError> {
         let met =
             self.ranges.iter().zip(self.surface.patches()).filter(|([low, high], _)| *low <= y && y <= *high);
         let mut open: Vec<P> = met.map(|(_, patch)| *patch).collect();

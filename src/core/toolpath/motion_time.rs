@@ -22,11 +22,11 @@
 //! # Reference
 //! S. K. Jeon, "Improving Grbl: Cornering Algorithm", 2011; and Grbl's `planner.c`.
 
-mod speed_segment;
+mod speed_stretch;
 
 use nalgebra::Vector3;
 
-use self::speed_segment::SpeedSegment;
+use self::speed_stretch::SpeedStretch;
 use super::path::{Move, Toolpath};
 use super::units::{Acceleration, FeedRate};
 use crate::geometry::curve::Curve;
@@ -61,7 +61,7 @@ pub fn motion_time(toolpath: &Toolpath, rapid_feed: FeedRate, acceleration: Acce
             seconds += chain.finish(a);
             chain.kind = Some(kind);
         }
-        speed_segment::push(&mut chain.stretches, &curve, rate, a);
+        speed_stretch::push(&mut chain.stretches, &curve, rate, a);
     }
     Some(seconds + chain.finish(a))
 }
@@ -76,7 +76,7 @@ enum Kind {
 #[derive(Default)]
 struct Chain {
     kind: Option<Kind>,
-    stretches: Vec<SpeedSegment>,
+    stretches: Vec<SpeedStretch>,
 }
 
 impl Chain {
@@ -84,7 +84,7 @@ impl Chain {
     fn finish(&mut self, acceleration: f64) -> f64 {
         let speeds = self.joint_speeds(acceleration);
         let seconds =
-            |(stretch, ends): (&SpeedSegment, &[f64])| trapezoid(stretch, ends[0], ends[1], acceleration);
+            |(stretch, ends): (&SpeedStretch, &[f64])| trapezoid(stretch, ends[0], ends[1], acceleration);
         let sum = self.stretches.iter().zip(speeds.windows(2)).map(seconds).sum();
         self.stretches.clear();
         sum
@@ -123,8 +123,8 @@ fn corner_radius_mm(before: &Vector3<f64>, after: &Vector3<f64>) -> f64 {
 }
 
 /// Seconds for one move. `entry` and `exit` are the squares of the speeds at its ends, mm2/s2.
-fn trapezoid(stretch: &SpeedSegment, entry: f64, exit: f64, acceleration: f64) -> f64 {
-    let &SpeedSegment { length_mm, most, .. } = stretch;
+fn trapezoid(stretch: &SpeedStretch, entry: f64, exit: f64, acceleration: f64) -> f64 {
+    let &SpeedStretch { length_mm, most, .. } = stretch;
     let ends = entry.sqrt() + exit.sqrt();
     let peak = acceleration * length_mm + (entry + exit) / 2.0;
     if peak <= most {

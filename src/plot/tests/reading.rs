@@ -16,7 +16,7 @@ const VIEWS: [(&str, [usize; 2]); 3] = [("plan", [0, 1]), ("front", [0, 2]), ("l
 /// Allowed distance: thinning, chords and rounding of the drawing, and the rounding of the ticks.
 const AGREEMENT_MM: f64 = 0.02 + 0.008;
 
-type Segment = [[f64; 2]; 2];
+type Straight = [[f64; 2]; 2];
 
 pub struct Drawing {
     pub scale: f64,
@@ -94,8 +94,8 @@ impl Drawing {
         at.map(|mm| (mm * 100.0).round() / 100.0)
     }
 
-    /// The strokes of a class as short segments.
-    pub fn strokes(&self, view: &str, class: &str) -> Vec<Segment> {
+    /// The strokes of a class as short straight lines.
+    pub fn strokes(&self, view: &str, class: &str) -> Vec<Straight> {
         self.data(view, class).map(strokes).unwrap_or_default()
     }
 }
@@ -104,7 +104,7 @@ impl Drawing {
 pub fn compare(toolpath: &Toolpath) {
     let drawing = Drawing::read(&of_path(toolpath));
     for (view, axes) in VIEWS {
-        let mut meant: BTreeMap<&str, Vec<Segment>> = BTreeMap::new();
+        let mut meant: BTreeMap<&str, Vec<Straight>> = BTreeMap::new();
         for (class, curve) in toolpath.moves().filter_map(classed) {
             let project = |p: Point3<f64>| drawing.at(view, axes.map(|axis| p[axis]));
             let chords = if matches!(curve, Curve::Line(_)) { 1 } else { 600 };
@@ -146,8 +146,8 @@ fn classed(step: &Move) -> Option<(&'static str, Curve)> {
 }
 
 /// Whether points along every segment are on some segment of `others`.
-fn lies_on(segments: &[Segment], others: &[Segment]) -> bool {
-    segments.iter().step_by(7.min(segments.len() / 20 + 1)).all(|[a, b]| {
+fn lies_on(straights: &[Straight], others: &[Straight]) -> bool {
+    straights.iter().step_by(7.min(straights.len() / 20 + 1)).all(|[a, b]| {
         [0.0, 0.37, 1.0].iter().all(|t| {
             let at = [0, 1].map(|k| a[k] + t * (b[k] - a[k]));
             others.iter().any(|other| distance(at, *other) <= AGREEMENT_MM)
@@ -155,7 +155,7 @@ fn lies_on(segments: &[Segment], others: &[Segment]) -> bool {
     })
 }
 
-pub fn distance(p: [f64; 2], [a, b]: Segment) -> f64 {
+pub fn distance(p: [f64; 2], [a, b]: Straight) -> f64 {
     let (along, to) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let squared = along[0] * along[0] + along[1] * along[1];
     let t =
@@ -163,9 +163,9 @@ pub fn distance(p: [f64; 2], [a, b]: Segment) -> f64 {
     (to[0] - t * along[0]).hypot(to[1] - t * along[1])
 }
 
-/// The segments of path data of M, L, A, Q and h0.
-pub fn strokes(data: &str) -> Vec<Segment> {
-    let mut segments = Vec::new();
+/// The lines of path data of M, L, A, Q and h0.
+pub fn strokes(data: &str) -> Vec<Straight> {
+    let mut straights = Vec::new();
     let mut at = [0.0; 2];
     for part in data.split_inclusive(|c: char| !"0123456789. -".contains(c)).collect::<Vec<_>>().windows(2) {
         let command = part[0].chars().last().unwrap();
@@ -178,12 +178,12 @@ pub fn strokes(data: &str) -> Vec<Segment> {
         match (command, &numbers[..]) {
             ('M', &[x, y]) => at = [x, y],
             ('L', &[x, y]) => {
-                segments.push([at, [x, y]]);
+                straights.push([at, [x, y]]);
                 at = [x, y];
             }
-            ('h', &[0.0]) => segments.push([at, at]),
+            ('h', &[0.0]) => straights.push([at, at]),
             ('A', &[rx, ry, 0.0, 0.0, sense, x, y]) if rx == ry => {
-                arc(at, rx, sense == 1.0, [x, y], &mut segments);
+                arc(at, rx, sense == 1.0, [x, y], &mut straights);
                 at = [x, y];
             }
             ('Q', &[cx, cy, x, y]) => {
@@ -193,17 +193,17 @@ pub fn strokes(data: &str) -> Vec<Segment> {
                     [(at[0], cx, x), (at[1], cy, y)]
                         .map(|(a, b, c)| (1.0 - t) * ((1.0 - t) * a + t * b) + t * ((1.0 - t) * b + t * c))
                 };
-                segments.extend((0..chords).map(|k| [point(k), point(k + 1)]));
+                straights.extend((0..chords).map(|k| [point(k), point(k + 1)]));
                 at = [x, y];
             }
             other => panic!("{other:?} in {data}"),
         }
     }
-    segments
+    straights
 }
 
 /// SVG 2, appendix B.2.4: from end points to a centre; always the smaller of the two arcs.
-fn arc(from: [f64; 2], radius: f64, clockwise: bool, to: [f64; 2], segments: &mut Vec<Segment>) {
+fn arc(from: [f64; 2], radius: f64, clockwise: bool, to: [f64; 2], straights: &mut Vec<Straight>) {
     let half = [0.5 * (from[0] - to[0]), 0.5 * (from[1] - to[1])];
     let squared = half[0] * half[0] + half[1] * half[1];
     let radius = radius.max(squared.sqrt());
@@ -221,5 +221,5 @@ fn arc(from: [f64; 2], radius: f64, clockwise: bool, to: [f64; 2], segments: &mu
         let angle = angle(from) + turned * f64::from(k) / f64::from(chords);
         [center[0] + radius * angle.cos(), center[1] + radius * angle.sin()]
     };
-    segments.extend((0..chords).map(|k| [point(k), point(k + 1)]));
+    straights.extend((0..chords).map(|k| [point(k), point(k + 1)]));
 }

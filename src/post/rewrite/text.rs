@@ -3,7 +3,7 @@
 
 use super::modes::{Modes, MotionNeed, Needs};
 use super::run::{Placed, Run, Style, step};
-use super::segments::Segment;
+use super::stretches::Stretch;
 use crate::dialect::{Dialect, Point};
 use crate::nc::{Distance, FeedMode};
 use crate::words::{self, AXES, OFFSETS, push_fixed};
@@ -102,7 +102,7 @@ pub fn line_end(line: &[u8]) -> &'static [u8] {
     }
 }
 
-/// Writes segments of a run.
+/// Writes stretches of a run.
 pub struct Writer<'a> {
     pub run: &'a Run,
     pub modes: &'a Modes,
@@ -113,36 +113,36 @@ pub struct Writer<'a> {
     /// The block that is being written.
     pub line: &'a mut String,
     pub tally: Tally,
-    /// A number or a block of the segment is longer than the dialect reads.
+    /// A number or a block of the stretch is longer than the dialect reads.
     pub is_refused: bool,
 }
 
 impl Writer<'_> {
-    /// Writes the curves of `segment` in place of the blocks from `from` to its end. Keeps the blocks where
+    /// Writes the curves of `stretch` in place of the blocks from `from` to its end. Keeps the blocks where
     /// their text is no longer, or where a number or block of the curves is longer than the dialect reads.
-    pub fn segment(&mut self, from: usize, segment: &Segment) {
-        let blocks = &self.run.blocks[from..segment.end];
+    pub fn stretch(&mut self, from: usize, stretch: &Stretch) {
+        let blocks = &self.run.blocks[from..stretch.end];
         let bytes = blocks[blocks.len() - 1].text.end - blocks[0].text.start;
         let (start, output, tally) = (self.text.len(), self.output, self.tally);
-        if !segment.curves.is_empty() {
+        if !stretch.curves.is_empty() {
             self.is_refused = false;
-            self.curves(from, segment, blocks);
+            self.curves(from, stretch, blocks);
             if !self.is_refused && self.text.len() - start < bytes {
-                self.tally.deviation_mm = tally.deviation_mm.max(segment.deviation_mm);
+                self.tally.deviation_mm = tally.deviation_mm.max(stretch.deviation_mm);
                 return;
             }
         }
         self.text.truncate(start);
         (self.output, self.tally) = (output, tally);
-        self.tally.lines += self.output.keep(self.run, from, segment.end, self.text).lines;
+        self.tally.lines += self.output.keep(self.run, from, stretch.end, self.text).lines;
     }
 
-    fn curves(&mut self, from: usize, segment: &Segment, blocks: &[Placed]) {
-        let length: f64 = segment.curves.iter().map(|written| written.curve.length()).sum();
+    fn curves(&mut self, from: usize, stretch: &Stretch, blocks: &[Placed]) {
+        let length: f64 = stretch.curves.iter().map(|written| written.curve.length()).sum();
         let minutes: f64 = blocks.iter().map(|block| 1.0 / block.rate).sum();
         let mut start = self.run.units[from].map(|at| at / step(self.style.resolution.decimals));
-        let last = segment.curves.len() - 1;
-        for (k, written) in segment.curves.iter().enumerate() {
+        let last = stretch.curves.len() - 1;
+        for (k, written) in stretch.curves.iter().enumerate() {
             self.curve(start, written, &blocks[k]);
             if self.modes.feed_mode == Some(FeedMode::InverseTime) {
                 self.output.rate = length / (written.curve.length() * minutes);

@@ -16,6 +16,7 @@ use toolpathd_core::geometry::arc_fit::{
 };
 use toolpathd_core::geometry::curve::Curve;
 use toolpathd_core::geometry::following::{from_lines, from_points};
+use toolpathd_core::geometry::segment::Segment;
 
 use super::inputs::{KINDS, Random, few, polar, walk};
 use super::way::Way;
@@ -231,7 +232,13 @@ fn a_coarse_polygon_becomes_an_arc_only_if_its_lines_are_within_the_tolerance() 
         // An arc may pass as far inside the corners as outside of the lines, except at its ends. So no arc
         // fits within less than half a sagitta.
         let lines = fitted(&points, &polyline(0.49));
-        assert!(lines.elements.iter().all(|element| element.shape == Shape::Line), "{lines:?}");
+        assert!(
+            lines
+                .elements
+                .iter()
+                .all(|element| matches!(element.shape, Shape::Segment(Segment::Line { .. }))),
+            "{lines:?}"
+        );
         assert_eq!(lines.elements.len(), points.len() - 1);
         assert_eq!(count(&points, &polyline(1.05)), 1);
         assert_eq!(count(&points, &Fit::within(1e-6)), 1);
@@ -291,7 +298,13 @@ fn points_on_a_line_become_one_line() {
     for points in [along_x(&[0.0, 3.0]), along_x(&[0.0, 1.0, 1.5, 7.0, 7.001, 30.0])] {
         for method in [Method::Greedy, Method::Optimal, Method::Biarc] {
             let found = fitted(&points, &Fit { method, ..on_points() });
-            assert!(found.elements.iter().all(|element| element.shape == Shape::Line), "{found:?}");
+            assert!(
+                found
+                    .elements
+                    .iter()
+                    .all(|element| matches!(element.shape, Shape::Segment(Segment::Line { .. }))),
+                "{found:?}"
+            );
             judge(&points, &found, TOLERANCE_MM).unwrap();
         }
         assert_eq!(count(&points, &on_points()), 1);
@@ -304,7 +317,13 @@ fn a_reversal_that_exceeds_the_tolerance_is_kept() {
     for measure in [Measure::Points, Measure::Polyline] {
         for method in [Method::Greedy, Method::Optimal] {
             let found = fitted(&there_and_back, &Fit { method, measure, ..on_points() });
-            assert!(found.elements.iter().all(|element| element.shape == Shape::Line), "{found:?}");
+            assert!(
+                found
+                    .elements
+                    .iter()
+                    .all(|element| matches!(element.shape, Shape::Segment(Segment::Line { .. }))),
+                "{found:?}"
+            );
             assert_eq!(judge(&there_and_back, &found, TOLERANCE_MM), Ok(3));
         }
     }

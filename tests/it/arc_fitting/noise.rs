@@ -62,12 +62,13 @@ fn a_closed_noisy_circle_becomes_one_full_circle() {
             points.push(points[0]);
             for tolerance in [2.2e-3, 3e-3] {
                 let found = fitted(&points, &Fit { is_closed: true, ..Fit::within(tolerance) });
-                let [Element { shape: Shape::FullCircle { center, is_ccw }, .. }] = found.elements[..] else {
+                let [Element { shape: Shape::FullCircle { center, is_ccw, .. }, .. }] = found.elements[..]
+                else {
                     panic!("seed {seed}: not one full circle: {found:?}")
                 };
                 assert_eq!(judge(&points, &found, tolerance), Ok(1));
                 assert_eq!(is_ccw, turned > 0.0);
-                assert!(center.norm() < 1e-3, "the centre {center} is not at the origin");
+                assert!(center.coords.norm() < 1e-3, "the centre {center} is not at the origin");
             }
         }
     }

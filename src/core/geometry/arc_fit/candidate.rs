@@ -18,7 +18,7 @@
 use nalgebra::Vector2;
 
 use super::chord::{Bulges, Chord, LARGEST_BULGE};
-use super::chord_frame::ChordFrame;
+use super::chord_frame::{ChordArc, ChordFrame};
 use super::{FLATTEST_MM, Measure, Shapes};
 use crate::geometry::segment::center;
 use crate::geometry::solve;
@@ -204,15 +204,15 @@ impl<'a> Span<'a> {
 
     /// Whether the points' nearest places on the arc's circle, or on the chord, run from one end to the other
     /// and never back.
-    fn advances(&self, bulge: f64) -> bool {
+    fn advances(&self, track: &ChordFrame) -> bool {
         let points = [self.from].into_iter().chain(self.inner().iter().copied()).chain([self.to]);
-        if bulge == 0.0 {
+        let Some(ChordArc { bulge, .. }) = track.arc() else {
             let along = self.to - self.from;
             return points.map(|p| along.dot(&p)).is_sorted();
-        }
-        let center = center(self.from, self.to, bulge);
+        };
+        let center = center(self.from, self.to, *bulge);
         // An arc to the left of its chord turns clockwise.
-        let turned = |a: &Vector2<f64>, b: &Vector2<f64>| if bulge > 0.0 { b.perp(a) } else { a.perp(b) };
+        let turned = |a: &Vector2<f64>, b: &Vector2<f64>| if *bulge > 0.0 { b.perp(a) } else { a.perp(b) };
         // The first and the last line belong to points that may lie beside the element's ends.
         let flat = self.points.flat;
         let is_backward = |k: usize| turned(&(flat[k] - center), &(flat[k + 1] - center)) < 0.0;
@@ -239,8 +239,9 @@ impl<'a> Span<'a> {
     pub fn keeps(&self, bulge: f64, rule: &Rule, chord: &Chord, witnesses: &mut Witnesses) -> bool {
         let (track, tolerance) = (self.track(chord, bulge), rule.tolerance_mm);
         let is_flat = self.points.heights.is_empty();
-        let has_dips = rule.measure == Measure::Polyline && bulge != 0.0;
-        if has_dips && track.radius < LEAST_RADIUS_TOLERANCES * tolerance {
+        // The lines between the points may dip inside an arc.
+        let dipped = track.arc().filter(|_| rule.measure == Measure::Polyline);
+        if dipped.is_some_and(|arc| arc.radius < LEAST_RADIUS_TOLERANCES * tolerance) {
             return false;
         }
         let is_far = |k: usize| self.distance(k, &track, chord) > tolerance;
@@ -252,15 +253,15 @@ impl<'a> Span<'a> {
             return false;
         }
         witnesses.looks += self.inner().len();
-        if is_flat && self.advances(bulge) {
-            return !has_dips || self.keeps_lines(&track, tolerance, chord);
+        if is_flat && self.advances(&track) {
+            return dipped.is_none_or(|arc| self.keeps_lines(&track, arc, tolerance, chord));
         }
         witnesses.looks += SLOW_LOOKS * self.inner().len();
         if !is_flat && let Some(k) = (self.first..=self.last).find(|k| is_far(*k)) {
             witnesses.far = k;
             return false;
         }
-        if has_dips && self.dip(&track, chord) > tolerance {
+        if dipped.is_some_and(|arc| self.dip(&track, arc, chord) > tolerance) {
             return false;
         }
         if let Some(pair) = self.crossing(&track, tolerance, chord, self.first + 1..self.last) {
@@ -276,13 +277,13 @@ impl<'a> Span<'a> {
     }
 
     /// Whether every line between the points stays within `tolerance` mm of the arc on its inside.
-    fn keeps_lines(&self, track: &ChordFrame, tolerance: f64, chord: &Chord) -> bool {
-        let center = center(self.from, self.to, track.bulge);
+    fn keeps_lines(&self, track: &ChordFrame, arc: &ChordArc, tolerance: f64, chord: &Chord) -> bool {
+        let center = center(self.from, self.to, arc.bulge);
         let least = self.inner().iter().map(|p| (p - center).norm_squared()).fold(f64::INFINITY, f64::min);
         let longest = self.lines().map(|[a, b]| (b - a).norm_squared()).fold(0.0, f64::max);
         // The worst case: the longest line, with both ends on the innermost circle.
-        let inside = track.radius.powi(2).min(least) - 0.25 * longest;
-        (inside > 0.0 && track.radius - inside.sqrt() <= tolerance) || self.dip(track, chord) <= tolerance
+        let inside = arc.radius.powi(2).min(least) - 0.25 * longest;
+        (inside > 0.0 && arc.radius - inside.sqrt() <= tolerance) || self.dip(track, arc, chord) <= tolerance
     }
 
     fn track(&self, chord: &Chord, bulge: f64) -> ChordFrame {
@@ -310,20 +311,22 @@ impl<'a> Span<'a> {
     }
 
     /// The largest distance of the lines between the points inside an arc, or from a helix, mm.
-    fn dip(&self, track: &ChordFrame, chord: &Chord) -> f64 {
+    fn dip(&self, track: &ChordFrame, arc: &ChordArc, chord: &Chord) -> f64 {
         if !self.points.heights.is_empty() {
             let lines = (self.first..self.last).map(|k| [self.seen(k, chord), self.seen(k + 1, chord)]);
-            return lines.map(|line| track.beside(line)).fold(0.0, f64::max);
+            return lines.map(|line| track.beside(arc, line)).fold(0.0, f64::max);
         }
-        self.lines().map(|[a, b]| track.dip(chord.local(a), chord.local(b))).fold(0.0, f64::max)
+        self.lines().map(|[a, b]| arc.dip(chord.local(a), chord.local(b))).fold(0.0, f64::max)
     }
 
     /// Whether the lines between the points turn about the centre of an arc as the arc does. If not, they
     /// pass the centre on its other side: the points lie near the ends of the arc, in its gap, and the arc
     /// runs far from them.
     fn winds(&self, track: &ChordFrame, chord: &Chord) -> bool {
-        let turned = self.lines().map(|[a, b]| track.turned(chord.local(a), chord.local(b)));
-        track.bulge == 0.0 || (turned.sum::<f64>() - track.sweep).abs() < std::f64::consts::PI
+        track.arc().is_none_or(|arc| {
+            let turned = self.lines().map(|[a, b]| arc.turned(chord.local(a), chord.local(b)));
+            (turned.sum::<f64>() - arc.sweep).abs() < std::f64::consts::PI
+        })
     }
 
     /// Two of `points` that the element does not pass in order: no places within `tolerance` mm of them

@@ -32,17 +32,13 @@ fn fitted(flat: &[Vector2<f64>], request: &Fit) -> Fitted {
 
 /// The angles at which elements meet, radians, each with the index of its point.
 fn kinks(fitted: &Fitted) -> Vec<(usize, f64)> {
-    let mut from = fitted.start;
     let mut directions = Vec::new();
     for element in &fitted.elements {
-        let chord = element.to - from;
-        let half_sweep = match element.shape {
-            Shape::Arc { bulge } => 2.0 * bulge.atan(),
-            Shape::Line | Shape::FullCircle { .. } => 0.0,
-        };
+        let Shape::Segment(segment) = element.shape else { panic!("a full circle") };
+        let chord = segment.end() - segment.start();
         let along = chord.y.atan2(chord.x);
-        directions.push((element.end, along + half_sweep, along - half_sweep));
-        from = element.to;
+        let half_turn = 0.5 * segment.turn();
+        directions.push((element.end, along - half_turn, along + half_turn));
     }
     let turn = |a: f64| (a + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
     directions.windows(2).map(|pair| (pair[0].0, turn(pair[1].1 - pair[0].2).abs())).collect()
@@ -54,9 +50,8 @@ fn points_of_a_circle_are_one_arc_of_its_radius() {
         let points = circle(40.0, from, to, 200);
         let Fitted { start, elements } = fitted(&points, &Fit::within(1e-3));
         assert_eq!((start, elements.len()), (points[0], 1));
-        let Shape::Arc { bulge } = elements[0].shape else { panic!("a line instead of an arc") };
-        let c = center(points[0], points[199], bulge);
-        assert!((c - Vector2::new(3.0, -7.0)).norm() < 1e-9, "{c}");
+        let Shape::Segment(Segment::Arc(arc)) = elements[0].shape else { panic!("a line instead of an arc") };
+        assert!((arc.center() - Point2::new(3.0, -7.0)).norm() < 1e-9, "{arc:?}");
     }
 }
 
@@ -68,11 +63,11 @@ fn a_closed_circle_is_one_turn_and_an_open_one_is_not() {
         let mut points = circle(10.0, from, to, 61);
         points[60] = points[0];
         let closed = fitted(&points, &Fit { is_closed: true, ..Fit::within(1e-3) });
-        let Shape::FullCircle { center, is_ccw: turns_ccw } = closed.elements[0].shape else {
+        let Shape::FullCircle { center, is_ccw: turns_ccw, .. } = closed.elements[0].shape else {
             panic!("not a full circle")
         };
         assert_eq!((closed.elements.len(), turns_ccw), (1, is_ccw));
-        assert!((center - Vector2::new(3.0, -7.0)).norm() < 1e-9);
+        assert!((center - Point2::new(3.0, -7.0)).norm() < 1e-9);
         assert_eq!(fitted(&points, &Fit::within(1e-3)).elements.len(), 2);
     }
     // Half a circle there and back is not a full turn.
@@ -93,7 +88,7 @@ fn the_last_point_is_reached_by_a_line() {
     points.push(points[19] + Vector2::new(5.0, 5.0));
     for method in [Method::Greedy, Method::Optimal] {
         let elements = fitted(&points, &Fit { method, ..Fit::within(1e-4) }).elements;
-        assert_eq!(elements.last(), Some(&Element { end: 20, to: points[20], shape: Shape::Line }));
+        assert_eq!(elements.last(), Some(&Element::line(20, points[19], points[20])));
     }
 }
 
@@ -103,7 +98,7 @@ fn straight_points_are_one_line() {
     for shapes in [Shapes::LinesOnly, Shapes::ArcsAndLines] {
         for method in [Method::Greedy, Method::Optimal] {
             let elements = fitted(&points, &Fit { shapes, method, ..Fit::within(1e-3) }).elements;
-            assert_eq!(elements, [Element { end: 49, to: points[49], shape: Shape::Line }]);
+            assert_eq!(elements, [Element::line(49, points[0], points[49])]);
         }
     }
 }
@@ -167,7 +162,7 @@ fn biarcs_pass_through_every_point_without_kinks() {
     let biarcs = fitted(&points, &Fit { method: Method::Biarc, ..Fit::within(1e-3) });
     assert_eq!(biarcs.elements.len(), 2 * 79);
     for (k, pair) in biarcs.elements.chunks(2).enumerate() {
-        assert_eq!((pair[0].end, pair[1].end, pair[1].to), (k, k + 1, points[k + 1]));
+        assert_eq!((pair[0].end, pair[1].end, pair[1].to().coords), (k, k + 1, points[k + 1]));
     }
     let worst = kinks(&biarcs).into_iter().map(|(_, kink)| kink).fold(0.0, f64::max);
     assert!(worst < 1e-9, "{worst}");
@@ -219,23 +214,25 @@ proptest! {
             continuity: if is_smooth { Continuity::Tangent } else { Continuity::Position },
             ..Fit::within(tolerance)
         };
-        let Fitted { start: mut from, elements } = fitted(&points, &request);
-        let on = |p: Vector2<f64>| Point3::new(p.x, p.y, 0.0);
-        let in_space: Vec<_> = points.iter().map(|p| on(*p)).collect();
+        let elements = fitted(&points, &request).elements;
+        let on = |p: Point2<f64>| Point3::new(p.x, p.y, 0.0);
+        let in_space: Vec<_> = points.iter().map(|p| on(Point2::from(*p))).collect();
         let mut start = 0;
         for element in elements {
             let curve = match element.shape {
-                Shape::Arc { bulge } => {
-                    let direction = if bulge > 0.0 { Direction::Cw } else { Direction::Ccw };
-                    let center = on(center(from, element.to, bulge));
-                    Curve::Arc(Arc::new(Plane::Xy, direction, on(from), on(element.to), center).unwrap())
+                Shape::Segment(Segment::Line { start, end }) => {
+                    Curve::Line(Line { start: on(start), end: on(end) })
                 }
-                Shape::Line => Curve::Line(Line { start: on(from), end: on(element.to) }),
+                Shape::Segment(Segment::Arc(arc)) => {
+                    let direction = if arc.turn() < 0.0 { Direction::Cw } else { Direction::Ccw };
+                    let [start, end, center] = [arc.start(), arc.end(), arc.center()].map(on);
+                    Curve::Arc(Arc::new(Plane::Xy, direction, start, end, center).unwrap())
+                }
                 Shape::FullCircle { .. } => unreachable!(),
             };
             let off = from_points(&curve, &in_space[start..=element.end]);
             prop_assert!(off <= tolerance * (1.0 + 1e-6) + 1e-9, "{off}");
-            (start, from) = (element.end, element.to);
+            start = element.end;
         }
         prop_assert_eq!(start, points.len() - 1);
     }

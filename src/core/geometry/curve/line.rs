@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-/// The segment from `start` to `end`, mm; its length may be zero.
+/// The line from `start` to `end`, mm; its length may be zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
     pub start: Point3<f64>,
@@ -25,12 +25,12 @@ impl Line {
         self.start + (self.end - self.start) * t
     }
 
-    /// The distance from `p` to the segment, mm.
+    /// The distance from `p` to the line between its ends, mm.
     pub fn distance_to(&self, p: &Point3<f64>) -> f64 {
         (p - self.nearest_to(p)).norm()
     }
 
-    /// The point of the segment that is nearest to `p`.
+    /// The point between the ends that is nearest to `p`.
     pub fn nearest_to(&self, p: &Point3<f64>) -> Point3<f64> {
         let along = self.end - self.start;
         let squared = along.norm_squared();
@@ -38,7 +38,7 @@ impl Line {
         self.point_at(t)
     }
 
-    /// The largest scalar product of `direction` with a point of the segment.
+    /// The largest scalar product of `direction` with a point between the ends.
     pub fn support(&self, direction: &Vector3<f64>) -> f64 {
         self.start.coords.dot(direction).max(self.end.coords.dot(direction))
     }
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distance_is_to_the_segment_not_the_line() {
+    fn beyond_an_end_the_distance_is_that_of_the_end() {
         let line = Line { start: Point3::origin(), end: Point3::new(10.0, 0.0, 0.0) };
         assert_eq!(line.distance_to(&Point3::new(5.0, 3.0, 4.0)), 5.0);
         assert_eq!(line.distance_to(&Point3::new(-3.0, 4.0, 0.0)), 5.0);

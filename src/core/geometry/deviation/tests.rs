@@ -2,8 +2,8 @@ use nalgebra::{Point2, Vector2};
 use proptest::prelude::*;
 
 use super::*;
-use crate::geometry::element::PlaneArc;
 use crate::geometry::plane_curve::Enclosure;
+use crate::geometry::segment::Segment;
 
 /// The graph y = sin(x), with enclosures written by hand.
 struct Wave {
@@ -80,7 +80,7 @@ fn band(mm: f64, measure: Measure) -> Band {
 }
 
 fn line(curve: &impl PlaneCurve, [a, b]: [f64; 2]) -> Element {
-    Element::Line { start: curve.point(a), end: curve.point(b) }
+    Segment::Line { start: curve.point(a), end: curve.point(b) }.into()
 }
 
 fn parabola(curve: &impl PlaneCurve, [a, b]: [f64; 2]) -> Element {
@@ -208,10 +208,7 @@ proptest! {
         let element = match shape {
             0 => line(&wave, domain),
             1 => parabola(&wave, domain),
-            _ => match PlaneArc::with_bulge(wave.point(a), wave.point(a + width), bulge) {
-                Some(arc) => Element::Arc(arc),
-                None => line(&wave, domain),
-            },
+            _ => Segment::bulging(wave.point(a), wave.point(a + width), bulge).into(),
         };
         let measure = if vertical { Measure::Vertical } else { Measure::Normal };
         let verdict = judge(&wave, &element, domain, Ends::OnCurve, &band(10.0, measure));
@@ -221,7 +218,7 @@ proptest! {
             let t = a + width * f64::from(k) / 4000.0;
             let p = wave.point(t);
             let distance = match measure {
-                Measure::Normal => element.foot(p, f64::from(k) / 4000.0).distance,
+                Measure::Normal => element.foot(p, f64::from(k) / 4000.0).0.distance,
                 Measure::Vertical => match element.graph_at(t) {
                     Some(y) => p.y - y,
                     None => { is_graph = false; 0.0 }

@@ -7,8 +7,8 @@
 //! farther by more than the caller allows, or if the two elements do not meet, the arc is kept.
 //!
 //! # Guarantees
-//! Each element starts exactly where the element before it ends. A lengthened element stays within 1e-9 mm of
-//! its former line or circle.
+//! Each element starts exactly where the element before it ends. A lengthened element stays within
+//! [`MEETS_MM`] of its former line or circle.
 
 use nalgebra::{Point2, Vector2};
 
@@ -19,6 +19,14 @@ const STEPS: usize = 4;
 
 /// Elements meet if the place found is within this distance of both, mm.
 const MEETS_MM: f64 = 1e-9;
+
+/// An arc is one about a corner if its radius differs from the offset's distance by at most this share.
+/// Joined ends move the circle of an arc of some micrometres by more than rounding does.
+const SAME_RADIUS_PART: f64 = 1e-6;
+
+/// The largest half turn of an arc that a mitre may replace, radians. At larger turns the mitre is as visible
+/// as a corner, however far the caller lets it reach.
+const LARGEST_HALF_TURN: f64 = 0.1;
 
 /// The chain with mitres for arcs of radius `distance` mm, where the mitre is at most `most` mm farther from
 /// the contour.
@@ -55,8 +63,8 @@ fn mitre(
     most: f64,
 ) -> Option<[Segment; 2]> {
     let half = 0.5 * corner.turn().abs();
-    let is_about_corner = (corner.radius() - distance).abs() <= 1e-6 * distance && half < 0.1;
-    if !is_about_corner || distance * (1.0 / half.cos() - 1.0) > most {
+    let is_about_corner = (corner.radius() - distance).abs() <= SAME_RADIUS_PART * distance;
+    if !is_about_corner || half >= LARGEST_HALF_TURN || distance * (1.0 / half.cos() - 1.0) > most {
         return None;
     }
     let middle = Segment::Arc(*corner).at(0.5);

@@ -1,16 +1,15 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::geometry::element::PlaneArc;
 
 mod laws;
 
 /// The loop through points (x, y, bulge). Bulges are tan(turn / 4), positive for arcs that turn to the left.
-fn elements(points: &[[f64; 3]]) -> Vec<Element> {
+fn elements(points: &[[f64; 3]]) -> Vec<Segment> {
     let at = |k: usize| Point2::new(points[k % points.len()][0], points[k % points.len()][1]);
     let element = |k: usize| {
         let (start, end) = (at(k), at(k + 1));
-        PlaneArc::with_bulge(start, end, -points[k][2]).map_or(Element::Line { start, end }, Element::Arc)
+        Segment::bulging(start, end, -points[k][2])
     };
     (0..points.len()).map(element).collect()
 }
@@ -106,7 +105,7 @@ fn loops_that_are_no_outlines_are_refused_with_the_place() {
     }
     assert_eq!(Outline::new(&[], &Budget::unlimited()), Err(OutlineError::Empty));
     let mut open = elements(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0]]);
-    open[2] = Element::Line { start: Point2::new(10.0, 10.0), end: Point2::new(0.0, 0.25) };
+    open[2] = Segment::Line { start: Point2::new(10.0, 10.0), end: Point2::new(0.0, 0.25) };
     let open = Outline::new(&open, &Budget::unlimited());
     assert_eq!(open, Err(OutlineError::Open { index: 2, gap_mm: 0.25, at: Point2::new(0.0, 0.25) }));
 }

@@ -26,11 +26,11 @@ pub enum Item<const D: usize> {
 
 /// A line, an arc or a cubic of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment<const D: usize> {
+pub struct ChainPiece<const D: usize> {
     pub shape: Shape<D>,
-    /// The item that the segment belongs to, or leads to.
+    /// The item that the piece belongs to, or leads to.
     pub item: usize,
-    /// The parameters at the ends of the segment. Along lines and arcs, the parameter of the curve grows by
+    /// The parameters at the ends of the piece. Along lines and arcs, the parameter of the curve grows by
     /// their length. Along a `b`, it grows by the sum of the chords between the points of the `b`, and each
     /// chord gets an equal part of this sum.
     pub ends: [f64; 2],
@@ -42,7 +42,7 @@ pub struct Chain<const D: usize> {
     items: Vec<Item<D>>,
     /// The place of each item in the text.
     places: Vec<usize>,
-    segments: Vec<Segment<D>>,
+    pieces: Vec<ChainPiece<D>>,
 }
 
 impl<const D: usize> Chain<D> {
@@ -56,16 +56,16 @@ impl<const D: usize> Chain<D> {
         &self.places
     }
 
-    /// The segments from the start to the end of the curve, without gaps. Parameters start at 0.
-    pub fn segments(&self) -> &[Segment<D>] {
-        &self.segments
+    /// The pieces from the start to the end of the curve, without gaps. Parameters start at 0.
+    pub fn pieces(&self) -> &[ChainPiece<D>] {
+        &self.pieces
     }
 
     /// The curve as a profile, from which surfaces are swept. The place of a piece is the byte where its item
     /// starts.
     pub fn profile(&self) -> Profile<D> {
-        let place = |segment: &Segment<D>| self.places.get(segment.item).copied().unwrap_or_default();
-        Profile::new(self.segments.iter().map(|s| Piece { shape: s.shape, place: place(s) }))
+        let place = |piece: &ChainPiece<D>| self.places.get(piece.item).copied().unwrap_or_default();
+        Profile::new(self.pieces.iter().map(|s| Piece { shape: s.shape, place: place(s) }))
     }
 
     pub(super) fn new(written: &[Written]) -> Result<Self, SectionCurveError> {
@@ -85,31 +85,31 @@ impl<const D: usize> Chain<D> {
             }
         }
         let roundings = roundings(&items, &places)?;
-        let segments = segments(&items, &roundings);
-        let flat = segments.iter().find(|s| s.ends[1] <= s.ends[0]);
-        if let Some(segment) = flat {
+        let pieces = pieces(&items, &roundings);
+        let flat = pieces.iter().find(|s| s.ends[1] <= s.ends[0]);
+        if let Some(piece) = flat {
             // The curve is so long that its parameter cannot distinguish these points.
-            return Err(fault(places[segment.item], Fault::Coincident));
+            return Err(fault(places[piece.item], Fault::Coincident));
         }
-        Ok(Self { items, places, segments })
+        Ok(Self { items, places, pieces })
     }
 }
 
 impl Chain<2> {
-    /// The curve, with a piece for each segment.
+    /// The curve, with a Bezier curve for each piece.
     ///
     /// # Errors
     /// When the parameters do not rise, or a coordinate is too large: only on curves of absurd length.
     pub fn curve(&self) -> Result<Piecewise, SectionCurveError> {
-        let place = |k: usize| self.segments.get(k).map_or(0, |segment| self.places[segment.item]);
-        let mut pieces = Vec::with_capacity(self.segments.len());
-        for (k, segment) in self.segments.iter().enumerate() {
-            let bezier = match &segment.shape {
+        let place = |k: usize| self.pieces.get(k).map_or(0, |piece| self.places[piece.item]);
+        let mut pieces = Vec::with_capacity(self.pieces.len());
+        for (k, piece) in self.pieces.iter().enumerate() {
+            let bezier = match &piece.shape {
                 Shape::Line(points) => Bezier::polynomial(points),
                 Shape::Arc { points, weight } => Bezier::rational(points, &[1.0, *weight, 1.0]),
                 Shape::Cubic(points) => Bezier::polynomial(points),
             };
-            pieces.push((bezier.map_err(|error| fault(place(k), Fault::Piece(error)))?, segment.ends[1]));
+            pieces.push((bezier.map_err(|error| fault(place(k), Fault::Piece(error)))?, piece.ends[1]));
         }
         Piecewise::new(0.0, pieces).map_err(|error| {
             let piece = match error {
@@ -215,8 +215,8 @@ fn leg<const D: usize>(items: &[Item<D>], k: usize) -> f64 {
     (items[k].entry() - items[k - 1].exit()).norm()
 }
 
-fn segments<const D: usize>(items: &[Item<D>], roundings: &[Option<Rounding<D>>]) -> Vec<Segment<D>> {
-    let mut pen = Pen { segments: Vec::new(), at: *items[0].entry(), parameter: 0.0 };
+fn pieces<const D: usize>(items: &[Item<D>], roundings: &[Option<Rounding<D>>]) -> Vec<ChainPiece<D>> {
+    let mut pen = Pen { pieces: Vec::new(), at: *items[0].entry(), parameter: 0.0 };
     let tangent = |k: usize| roundings[k].as_ref().map_or(0.0, |rounding| rounding.tangent);
     for (k, item) in items.iter().enumerate() {
         if k > 0 {
@@ -248,30 +248,30 @@ fn segments<const D: usize>(items: &[Item<D>], roundings: &[Option<Rounding<D>>]
             }
         }
     }
-    pen.segments
+    pen.pieces
 }
 
-/// Draws segments one after the other.
+/// Draws pieces one after the other.
 struct Pen<const D: usize> {
-    segments: Vec<Segment<D>>,
+    pieces: Vec<ChainPiece<D>>,
     at: Point<f64, D>,
     parameter: f64,
 }
 
 impl<const D: usize> Pen<D> {
-    /// Appends a segment that starts at the place of the pen.
+    /// Appends a piece that starts at the place of the pen.
     fn draw(&mut self, shape: Shape<D>, item: usize, length: f64) {
         let end = self.parameter + length;
-        self.segments.push(Segment { shape, item, ends: [self.parameter, end] });
+        self.pieces.push(ChainPiece { shape, item, ends: [self.parameter, end] });
         self.at = shape.end();
         self.parameter = end;
     }
 
-    /// Moves the end of the last segment to `to`, which differs from it by rounding only.
+    /// Moves the end of the last piece to `to`, which differs from it by rounding only.
     fn land(&mut self, to: Point<f64, D>) {
         self.at = to;
-        if let Some(segment) = self.segments.last_mut() {
-            match &mut segment.shape {
+        if let Some(piece) = self.pieces.last_mut() {
+            match &mut piece.shape {
                 Shape::Line([.., end]) | Shape::Arc { points: [.., end], .. } | Shape::Cubic([.., end]) => {
                     *end = to;
                 }

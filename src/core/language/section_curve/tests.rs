@@ -119,8 +119,8 @@ fn corners_that_do_not_fit_are_refused_with_their_place() {
     {
         assert!(SectionCurve::parse(text).is_ok(), "{text}");
     }
-    assert_eq!(plane("l(0,0) r(10,0,10) l(10,10)").segments().len(), 1);
-    assert_eq!(plane("l(0,0) r(50,0,5) r(50,10,5) l(90,10)").segments().len(), 4);
+    assert_eq!(plane("l(0,0) r(10,0,10) l(10,10)").pieces().len(), 1);
+    assert_eq!(plane("l(0,0) r(50,0,5) r(50,10,5) l(90,10)").pieces().len(), 4);
 }
 
 #[test]
@@ -185,8 +185,8 @@ fn corners_without_a_turn_are_points_of_the_line() {
     for text in ["l(0,0) r(5,0,3) l(9,0)", "l(0,0) r(0.3,0.1,1000) l(0.9,0.3)", "l(0,0) r(1,1e-15,9) l(2,0)"]
     {
         let chain = plane(text);
-        assert!(chain.segments().iter().all(|s| matches!(s.shape, Shape::Line(_))), "{text}");
-        assert_eq!(chain.segments().len(), 2);
+        assert!(chain.pieces().iter().all(|s| matches!(s.shape, Shape::Line(_))), "{text}");
+        assert_eq!(chain.pieces().len(), 2);
     }
 }
 
@@ -219,10 +219,10 @@ fn a_smooth_curve_passes_through_its_points_with_natural_ends() {
 #[test]
 fn the_curves_of_the_examples_are_read() {
     let basic = space("l(0,0,0) r(50,0,0,10) l(50,40,0)");
-    assert_eq!(basic.segments().len(), 3);
+    assert_eq!(basic.pieces().len(), 3);
     let drive = space("b((0,0,0),(10,0,5),(20,0,0))");
-    assert_eq!(drive.segments().len(), 2);
-    assert_eq!(plane("l(0,0) l(10,5)").segments().len(), 1);
+    assert_eq!(drive.pieces().len(), 2);
+    assert_eq!(plane("l(0,0) l(10,5)").pieces().len(), 1);
 }
 
 /// The centre of the circle that touches the lines of a corner.
@@ -257,9 +257,9 @@ proptest! {
         let center = center(p, radius);
         let mut turned = 0.0;
         let mut end = p[0];
-        for segment in chain.segments() {
-            let length = segment.ends[1] - segment.ends[0];
-            let (start, leaving) = match &segment.shape {
+        for piece in chain.pieces() {
+            let length = piece.ends[1] - piece.ends[0];
+            let (start, leaving) = match &piece.shape {
                 Shape::Line([from, to]) => {
                     prop_assert!(((to - from).norm() - length).abs() < 1e-11);
                     (*from, *to)

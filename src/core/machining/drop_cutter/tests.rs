@@ -1,9 +1,9 @@
 use proptest::prelude::*;
 
+use super::chord_proof::ChordVerdict;
 use super::drop::Drop;
 use super::lift_bound::{AxisMove, Level};
 use super::round::RoundBodies;
-use super::segment_proof::ChordVerdict;
 use super::*;
 use crate::geometry::surface::BicubicPatch;
 

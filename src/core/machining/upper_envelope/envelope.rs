@@ -1,8 +1,8 @@
-//! The upper envelope of straight segments: for every x, the largest height of a segment.
+//! The upper envelope of straight stretches: for every x, the largest height of a stretch.
 
 use nalgebra::Vector2;
 
-use super::Segment;
+use super::Stretch;
 use crate::budget::{Budget, Stopped};
 
 /// Places at which stretches begin or end, between two checks of the budget.
@@ -19,15 +19,15 @@ pub type UpperEnvelope = Vec<Vector2<f64>>;
 ///
 /// # Errors
 /// Only the budget's stop.
-pub fn union(stretches: &[Segment], gap_mm: f64, budget: &Budget) -> Result<Vec<UpperEnvelope>, Stopped> {
-    let mut waiting: Vec<Segment> =
+pub fn union(stretches: &[Stretch], gap_mm: f64, budget: &Budget) -> Result<Vec<UpperEnvelope>, Stopped> {
+    let mut waiting: Vec<Stretch> =
         stretches.iter().copied().filter(|s| s.to.x > s.from.x + SAME_MM).collect();
     // The next stretch to begin is the last element.
     waiting.sort_by(|a, b| b.from.x.total_cmp(&a.from.x));
     let mut places: Vec<f64> = waiting.iter().flat_map(|s| [s.from.x, s.to.x]).collect();
     places.sort_by(f64::total_cmp);
     places.dedup_by(|next, kept| *next - *kept <= SAME_MM);
-    let mut open: Vec<Segment> = Vec::new();
+    let mut open: Vec<Stretch> = Vec::new();
     let mut skylines: Vec<UpperEnvelope> = Vec::new();
     for (k, pair) in places.windows(2).enumerate() {
         if k.is_multiple_of(EVENTS_BETWEEN_CHECKS) {
@@ -54,7 +54,7 @@ pub fn union(stretches: &[Segment], gap_mm: f64, budget: &Budget) -> Result<Vec<
 }
 
 /// Appends the highest of the `open` stretches, all of which run from one place to another.
-fn follow(open: &[Segment], [from, to]: [f64; 2], skyline: &mut UpperEnvelope) {
+fn follow(open: &[Stretch], [from, to]: [f64; 2], skyline: &mut UpperEnvelope) {
     let heights: Vec<[f64; 2]> = open.iter().map(|s| [s.height(from), s.height(to)]).collect();
     let higher = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
     let Some(mut top) = heights.iter().max_by(higher).copied() else { return };

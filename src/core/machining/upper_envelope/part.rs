@@ -1,8 +1,8 @@
-//! The section of one part of a patch with a plane. The section becomes a segment if it is nearly straight.
+//! The section of one part of a patch with a plane. The section becomes a stretch if it is nearly straight.
 
 use nalgebra::{Vector2, Vector3};
 
-use super::{Accuracy, Segment};
+use super::{Accuracy, Stretch};
 use crate::geometry::solve::bisect;
 use crate::geometry::surface::patch::{DerivativeBounds, Patch};
 
@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-13;
 pub(super) enum Section {
     /// The plane does not meet the part.
     Missed,
-    Met(Segment),
+    Met(Stretch),
     /// The part must be halved.
     Unknown,
 }
@@ -62,8 +62,8 @@ pub(super) fn section<P: Patch>(patch: &P, y: f64, accuracy: Accuracy) -> Sectio
 }
 
 /// A stretch at one height.
-fn level(from_x: f64, to_x: f64, z: f64) -> Segment {
-    Segment { from: Vector2::new(from_x, z), to: Vector2::new(to_x, z) }
+fn level(from_x: f64, to_x: f64, z: f64) -> Stretch {
+    Stretch { from: Vector2::new(from_x, z), to: Vector2::new(to_x, z) }
 }
 
 /// The section as a function of u. The part must be halved if y has no derivative of one sign along v over
@@ -88,8 +88,8 @@ fn along_u<P: Patch>(
 }
 
 /// The stretch between two points, with the smaller x first.
-fn ordered(a: Vector2<f64>, b: Vector2<f64>) -> Segment {
-    if a.x <= b.x { Segment { from: a, to: b } } else { Segment { from: b, to: a } }
+fn ordered(a: Vector2<f64>, b: Vector2<f64>) -> Stretch {
+    if a.x <= b.x { Stretch { from: a, to: b } } else { Stretch { from: b, to: a } }
 }
 
 /// The sides of a part on which y grows or falls along v.
@@ -208,7 +208,7 @@ impl<'a> Bend<'a> {
 
     /// The chord between the ends, or a level stretch where the section is nearly upright. `None` where
     /// neither is as near to the section as `accuracy` asks for.
-    fn stretch(&self, from: End, to: End, accuracy: Accuracy) -> Option<Segment> {
+    fn stretch(&self, from: End, to: End, accuracy: Accuracy) -> Option<Stretch> {
         let way = to.at - from.at;
         let part = (to.u - from.u).abs();
         let height = |second: f64| second * part * part / 8.0;

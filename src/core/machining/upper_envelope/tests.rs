@@ -5,18 +5,18 @@ use crate::geometry::surface::{BicubicPatch, RationalPatch, Surface};
 
 const ACCURACY: Accuracy = Accuracy { height_mm: 1e-3, width_mm: 1e-4 };
 
-fn stretches(surface: &BezierSurface<impl Patch>, y: f64) -> Vec<Segment> {
+fn stretches(surface: &BezierSurface<impl Patch>, y: f64) -> Vec<Stretch> {
     Profiles::new(surface).stretches(y, ACCURACY, &Budget::unlimited()).unwrap()
 }
 
-fn envelopes(stretches: &[Segment]) -> Vec<UpperEnvelope> {
+fn envelopes(stretches: &[Stretch]) -> Vec<UpperEnvelope> {
     union(stretches, ACCURACY.width_mm, &Budget::unlimited()).unwrap()
 }
 
 fn height(envelope: &UpperEnvelope, x: f64) -> f64 {
     let heights = envelope.windows(2).filter(|pair| pair[0].x <= x && x <= pair[1].x);
     let heights = heights.filter(|pair| pair[0].x < pair[1].x);
-    heights.map(|p| Segment { from: p[0], to: p[1] }.height(x)).fold(f64::NEG_INFINITY, f64::max)
+    heights.map(|p| Stretch { from: p[0], to: p[1] }.height(x)).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// A cylinder of `radius` mm about y with its arc from `from` to `from + sweep` radians over -x, 30 mm long;
@@ -105,7 +105,7 @@ fn skew_patches_have_the_heights_of_dense_points() {
 
 #[test]
 fn a_union_changes_over_at_crossings_and_keeps_gaps() {
-    let stretch = |a: [f64; 2], b: [f64; 2]| Segment { from: Vector2::from(a), to: Vector2::from(b) };
+    let stretch = |a: [f64; 2], b: [f64; 2]| Stretch { from: Vector2::from(a), to: Vector2::from(b) };
     let found = envelopes(&[
         stretch([0.0, 0.0], [4.0, 4.0]),
         stretch([0.0, 3.0], [4.0, 1.0]),

@@ -1,7 +1,7 @@
 //! Proves how far rails are from the straight blocks that they replace.
 //!
 //! # Method
-//! The distance of a point from a line segment is a convex function of the point, and a polynomial lies in
+//! The distance of a point from a line between two points is convex, and a polynomial lies in
 //! the convex hull of its Bernstein control points. So the largest distance of the control points bounds the
 //! distance of the tip. The part of the block at which the tip is nearest, as far as the infinite line
 //! through the block goes, is a polynomial too; so is the vector that interpolates both axes there. The angle

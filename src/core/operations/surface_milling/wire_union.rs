@@ -22,7 +22,7 @@
 //!   gouges, and the answer warns of it.
 //!
 //! # Cost
-//! O(n log n) for n segments of wires, plus the cost of the gouge bound.
+//! O(n log n) for n stretches of wires, plus the cost of the gouge bound.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
@@ -43,7 +43,7 @@ use crate::geometry::curve::{Curve, Line};
 use crate::geometry::plane::Plane;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::gouge::{GougeProof, Penetration};
-use crate::machining::upper_envelope::{Accuracy, EnvelopeError, Segment, UpperEnvelope, union};
+use crate::machining::upper_envelope::{Accuracy, EnvelopeError, Stretch, UpperEnvelope, union};
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::linking::at_height;
 use crate::toolpath::quantize::round;
@@ -70,7 +70,7 @@ const EFFORT: usize = 600;
 /// accurate to 1e-9 mm.
 const LEAST_DEPTH_MM: f64 = 1e-8;
 
-/// The accuracy with which an envelope is made from its segments, mm.
+/// The accuracy with which an envelope is made from its stretches, mm.
 const SKYLINE_ACCURACY_MM: f64 = 2e-7;
 
 /// A wire exactly at the radius counts although its place is rounded; this is the margin, in pitches.
@@ -169,7 +169,7 @@ fn passes(job: &Job, model: &WireModel, accuracy: Accuracy, budget: &Budget) -> 
         budget.check()?;
         budget.progress("wires", k, model.wires.len());
         let last = k.saturating_add(reach).min(model.wires.len() - 1);
-        let near: Vec<Segment> = model.wires[k.saturating_sub(reach)..=last]
+        let near: Vec<Stretch> = model.wires[k.saturating_sub(reach)..=last]
             .iter()
             .flat_map(|wire| &wire.stretches)
             .copied()

@@ -137,13 +137,13 @@ fn step(state: &mut State, words: &[(char, f64)], path: &mut Vec<Point3<f64>>, m
 /// The largest distance of a point on one path from the other path, both ways.
 pub fn distance(one: &[Point3<f64>], other: &[Point3<f64>]) -> f64 {
     let to_path = |p: &Point3<f64>, path: &[Point3<f64>]| {
-        let segments = path.windows(2).map(|s| {
+        let stretches = path.windows(2).map(|s| {
             let (along, d) = (s[1] - s[0], p - s[0]);
             let squared = along.norm_squared();
             let t = if squared > 0.0 { (d.dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
             (d - along * t).norm()
         });
-        segments.fold((p - path[0]).norm(), f64::min)
+        stretches.fold((p - path[0]).norm(), f64::min)
     };
     let way = |from: &[Point3<f64>], to: &[Point3<f64>]| {
         let middles = from.windows(2).flat_map(|s| [0.25, 0.5, 0.75, 1.0].map(|t| s[0] + (s[1] - s[0]) * t));

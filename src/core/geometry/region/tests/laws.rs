@@ -7,7 +7,6 @@ use nalgebra::Vector2;
 use proptest::prelude::*;
 
 use super::*;
-use crate::geometry::offset::distance::to_point;
 
 /// A star: a loop about a place that sees its corners one after the other, with arcs that cannot cross their
 /// neighbours.
@@ -30,8 +29,8 @@ fn is_inside(region: &Region, p: Point2<f64>) -> bool {
     let mut turned = 0.0;
     for element in region.outlines().flat_map(Outline::elements) {
         let chords = match element {
-            Element::Arc(arc) => 1.0 + arc.turn.abs() * (arc.radius / to_point(element, p)).sqrt(),
-            _ => 1.0,
+            Segment::Arc(arc) => 1.0 + arc.turn().abs() * (arc.radius() / element.distance_to(p)).sqrt(),
+            Segment::Line { .. } => 1.0,
         };
         let chords = chords.ceil();
         let at = |k: usize| element.at(k as f64 / chords) - p;
@@ -45,7 +44,7 @@ fn from_boundary(region: &Region, p: Point2<f64>) -> f64 {
     region
         .outlines()
         .flat_map(Outline::elements)
-        .map(|element| to_point(element, p))
+        .map(|element| element.distance_to(p))
         .fold(f64::INFINITY, f64::min)
 }
 
@@ -205,14 +204,8 @@ proptest! {
         let motion = nalgebra::Isometry2::new(Vector2::new(31.0, -57.0), angle);
         let moved = |region: &Region| {
             let outlines: Vec<Outline> = region.outlines().map(|outline| {
-                let elements: Vec<Element> = outline.elements().iter().map(|element| match element {
-                    Element::Arc(arc) => Element::Arc(PlaneArc {
-                        start: motion * arc.start,
-                        end: motion * arc.end,
-                        center: motion * arc.center,
-                        ..*arc
-                    }),
-                    line => Element::Line { start: motion * line.start(), end: motion * line.end() },
+                let elements: Vec<Segment> = outline.elements().iter().map(|element| {
+                    Segment::turning(motion * element.start(), motion * element.end(), element.turn())
                 }).collect();
                 Outline::new(&elements, &Budget::unlimited()).unwrap()
             }).collect();

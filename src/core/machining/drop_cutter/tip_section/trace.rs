@@ -24,7 +24,7 @@ use super::TipSections;
 use crate::budget::Budget;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::drop_cutter::Contact;
-use crate::machining::drop_cutter::segment_proof::ChordVerdict;
+use crate::machining::drop_cutter::chord_proof::ChordVerdict;
 use crate::machining::offset_section::{PlaneAt, SectionError, Spacing};
 
 /// Distance in plan, mm, up to which two tips may be foot and head of an upright wall.

@@ -6,7 +6,7 @@ use super::super::Error;
 use crate::budget::Budget;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::offset_section::INSET_MM;
-use crate::machining::upper_envelope::{Accuracy, Profiles, Segment};
+use crate::machining::upper_envelope::{Accuracy, Profiles, Stretch};
 
 /// The accuracy of the extent of the surface, mm: finer than [`INSET_MM`], by which the outermost wires are
 /// traced inside it.
@@ -27,7 +27,7 @@ const STRETCH_LIMIT: usize = 4_000_000;
 pub(super) struct Wire {
     /// The y of the plane, mm.
     pub(super) at: f64,
-    pub(super) stretches: Vec<Segment>,
+    pub(super) stretches: Vec<Stretch>,
 }
 
 /// Wires at equal distances, in order of y.
@@ -88,7 +88,7 @@ fn outermost<P: Patch>(
     budget: &Budget,
 ) -> Result<Wire, Error> {
     let wide =
-        |stretches: &[Segment]| stretches.iter().map(|stretch| stretch.to.x - stretch.from.x).sum::<f64>();
+        |stretches: &[Stretch]| stretches.iter().map(|stretch| stretch.to.x - stretch.from.x).sum::<f64>();
     let on_edge = profiles.stretches(extent + inward * INSET_MM.min(1e-3 * width), accuracy, budget)?;
     let at = extent + inward * TOUCH_MM.min(1e-3 * width);
     let inside = profiles.stretches(at, accuracy, budget)?;

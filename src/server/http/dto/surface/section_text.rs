@@ -38,7 +38,7 @@ pub enum Room {
 impl SectionText {
     /// Collects the violations of the text at `at`.
     pub fn check(&self, at: &Pointer, room: Room, limits: &Limits, violations: &mut Violations) {
-        let n_segments = match &self.0 {
+        let n_pieces = match &self.0 {
             Err(error) => {
                 let code = match error.fault {
                     Fault::TextTooLong => FieldCode::TooLong,
@@ -48,18 +48,18 @@ impl SectionText {
                 };
                 return violations.add_in_text(at, error.at, code, error.to_string());
             }
-            Ok(SectionCurve::Plane(chain)) => chain.segments().len(),
+            Ok(SectionCurve::Plane(chain)) => chain.pieces().len(),
             Ok(SectionCurve::Space(chain)) => {
                 if room == Room::PlaneOnly {
                     let detail = "the curve must lie in a plane: send points with two coordinates";
                     violations.add(at, FieldCode::WrongLength, detail);
                 }
-                chain.segments().len()
+                chain.pieces().len()
             }
         };
-        if n_segments > limits.curve_points {
+        if n_pieces > limits.curve_points {
             let detail = format!(
-                "the curve has {n_segments} lines, arcs and cubics; send at most {}",
+                "the curve has {n_pieces} lines, arcs and cubics; send at most {}",
                 limits.curve_points
             );
             violations.add(at, FieldCode::LimitExceeded, detail);

@@ -36,7 +36,7 @@ const LARGEST_RESERVE: f64 = 0.15;
 
 /// A part of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Segment {
+pub struct Stretch {
     /// The index after its last block.
     pub end: usize,
     /// The curves that replace its blocks; empty where the blocks stay.
@@ -46,7 +46,7 @@ pub struct Segment {
     pub deviation_mm: f64,
 }
 
-impl Segment {
+impl Stretch {
     fn kept(end: usize) -> Self {
         Self { end, curves: Vec::new(), deviation_mm: 0.0 }
     }
@@ -73,23 +73,23 @@ struct Open {
 }
 
 impl Fitting<'_> {
-    /// The segments from the first point on that end at `reach` or before, but at least one segment.
+    /// The stretches from the first point on that end at `reach` or before, but at least one stretch.
     ///
     /// # Errors
     /// When the budget is spent. Points that cannot be fitted stay as they are.
-    pub fn segments(&self, points: &[Point3<f64>], reach: usize) -> Result<Vec<Segment>, Stopped> {
+    pub fn stretches(&self, points: &[Point3<f64>], reach: usize) -> Result<Vec<Stretch>, Stopped> {
         let reserve =
             (RESERVE_STEPS * self.resolution.step_mm()).min(LARGEST_RESERVE * self.fit.tolerance_mm);
         let mut open = Vec::new();
         if !self.open(points, 0..points.len() - 1, self.fit.tolerance_mm - reserve, 0, &mut open)? {
-            return Ok(vec![Segment::kept(points.len() - 1)]);
+            return Ok(vec![Stretch::kept(points.len() - 1)]);
         }
         let within = open.iter().rev().take_while(|one| one.end <= reach).count();
         open.drain(..open.len() - within.max(1));
-        let mut segments = Vec::with_capacity(open.len());
+        let mut stretches = Vec::with_capacity(open.len());
         while let Some(one) = open.pop() {
             match self.rounded(&one, points) {
-                Ok(segment) => segments.push(segment),
+                Ok(stretch) => stretches.push(stretch),
                 Err(excess_mm) => {
                     // An unknown excess, which is infinite, halves the tolerance.
                     let least_mm = LEAST_CUT * f64::from(one.tries + 1) * one.tolerance_mm;
@@ -97,12 +97,12 @@ impl Fitting<'_> {
                     let is_open = one.tries < MAX_TRIES
                         && self.open(points, one.from..one.end, tolerance_mm, one.tries + 1, &mut open)?;
                     if !is_open {
-                        segments.push(Segment::kept(one.end));
+                        stretches.push(Stretch::kept(one.end));
                     }
                 }
             }
         }
-        Ok(segments)
+        Ok(stretches)
     }
 
     /// Fits the points from the start to the end of `range`, both included, and puts the curves on `open`,
@@ -141,25 +141,25 @@ impl Fitting<'_> {
         Ok(is_whole)
     }
 
-    /// The segment of a curve; as an error, the distance in mm by which the rounded curve exceeds the
+    /// The stretch of a curve; as an error, the distance in mm by which the rounded curve exceeds the
     /// tolerance.
-    fn rounded(&self, one: &Open, points: &[Point3<f64>]) -> Result<Segment, f64> {
+    fn rounded(&self, one: &Open, points: &[Point3<f64>]) -> Result<Stretch, f64> {
         let (blocks, points) = (one.end - one.from, &points[one.from..=one.end]);
         let joins = one.curve.start() == points[0] && one.curve.end() == points[blocks];
         if blocks == 1 || !joins || !self.can_write(&one.curve) {
-            return Ok(Segment::kept(one.end));
+            return Ok(Stretch::kept(one.end));
         }
         let rounded = quantize::round(&one.curve, self.resolution, self.curves).map_err(|_| f64::INFINITY)?;
         let curves = rounded.curves;
         if curves.is_empty() || curves.len() >= blocks {
-            return Ok(Segment::kept(one.end));
+            return Ok(Stretch::kept(one.end));
         }
         let deviation_mm = match curves.as_slice() {
             [only] => following::from_lines(&only.curve, points) + only.slack_mm,
             _ => following::from_lines(&one.curve, points) + rounded.displacement_mm,
         };
         if deviation_mm <= self.fit.tolerance_mm {
-            Ok(Segment { end: one.end, curves, deviation_mm })
+            Ok(Stretch { end: one.end, curves, deviation_mm })
         } else {
             Err(deviation_mm - self.fit.tolerance_mm)
         }

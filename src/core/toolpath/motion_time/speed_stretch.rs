@@ -9,7 +9,7 @@ use crate::toolpath::units::FeedRate;
 
 /// A move, or a part of one, with one largest speed.
 #[derive(Clone, Copy)]
-pub struct SpeedSegment {
+pub struct SpeedStretch {
     pub length_mm: f64,
     /// The square of the largest speed, mm2/s2.
     pub most: f64,
@@ -18,12 +18,12 @@ pub struct SpeedSegment {
     pub to: Vector3<f64>,
 }
 
-/// Appends the segments of `curve`; none where it has no length.
-pub fn push(stretches: &mut Vec<SpeedSegment>, curve: &Curve, rate: FeedRate, acceleration: f64) {
+/// Appends the stretches of `curve`; none where it has no length.
+pub fn push(stretches: &mut Vec<SpeedStretch>, curve: &Curve, rate: FeedRate, acceleration: f64) {
     let mut add = |length_mm: f64, [from, to]: [Vector3<f64>; 2], curvature: f64| {
         let most = rate.mm_per_s().powi(2).min(acceleration / curvature);
         if let (Some(from), Some(to)) = (from.try_normalize(0.0), to.try_normalize(0.0)) {
-            stretches.push(SpeedSegment { length_mm, most, from, to });
+            stretches.push(SpeedStretch { length_mm, most, from, to });
         }
     };
     match curve {

@@ -4,14 +4,13 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa::openapi::Ref;
 use utoipa::openapi::schema::ArrayBuilder;
 use utoipa::openapi::schema::{ObjectBuilder, OneOfBuilder, Type};
 
 use super::check::Violations;
 use super::meta::{self, Meta, MetaTexts};
 use super::point::PlanePoint;
-use super::schema::{array_of, schema_of};
+use super::schema::{array_of, reference, schema_of};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
@@ -40,8 +39,8 @@ pub struct DropRequest {
     meta: Option<Meta>,
 }
 
-schema_of!(DropPoints, "Points `[x, y]`, in mm.", {
-    array_of(Ref::from_schema_name(PlanePoint::name()), 1, Limits::DEFAULT.drop_points)
+schema_of!(DropPoints of PlanePoint, "Points `[x, y]`, in mm.", {
+    array_of(reference::<PlanePoint>(), 1, Limits::DEFAULT.drop_points)
 });
 
 /// A request in the core's terms.
@@ -93,9 +92,9 @@ pub struct DropReport {
     gap_max_mm: f64,
 }
 
-schema_of!(Places, "Points `[x, y, z]`, in mm, or `null`.", {
+schema_of!(Places of Place, "Points `[x, y, z]`, in mm, or `null`.", {
     let null = ObjectBuilder::new().schema_type(Type::Null);
-    ArrayBuilder::new().items(OneOfBuilder::new().item(Ref::from_schema_name(Place::name())).item(null))
+    ArrayBuilder::new().items(OneOfBuilder::new().item(reference::<Place>()).item(null))
 });
 
 impl From<&[Option<core::Location>]> for DropReport {

@@ -8,7 +8,6 @@ mod report;
 use nalgebra::Point3;
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::Ref;
 
 use super::axis::{self, AxisDirection};
 use super::axis_output::{AxisOutput, AxisSetup};
@@ -18,7 +17,7 @@ use super::meta::{Meta, MetaTexts};
 use super::names::into_core;
 use super::point::{Coordinates, Point};
 use super::program::Program;
-use super::schema::{array_of, schema_of};
+use super::schema::{array_of, reference, schema_of};
 use super::setup::{SentSetup, Setup};
 use super::tool::Tool;
 use crate::config::Limits;
@@ -26,7 +25,7 @@ use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
 use limits::SentLimits;
-pub use machine::{Machines, SentMachine, SentRotary};
+pub use machine::{Machines, SentMachine};
 pub use report::{Sample, SampleMembers, SmoothMembers, SmoothQuery, SmoothReport};
 use toolpathd_core::machine::{Machine, Straying};
 use toolpathd_core::operations::five_axis as core;
@@ -54,6 +53,7 @@ const RETRACT_MM: Range = Range { min: 0.0, max: 1000.0 };
 pub struct SmoothRequest {
     /// The poses of the tool. Between two poses the tip moves on a line, and the axis turns on the great
     /// circle in step with the tip.
+    #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(value_type = Option<PoseList>)]
     path: Option<Vec<SentPose>>,
     /// The text of APT CL data: `GOTO/x,y,z,i,j,k` with `FEDRAT` and `RAPID`.
@@ -134,8 +134,8 @@ pub struct SentPose {
     rapid: bool,
 }
 
-schema_of!(PoseList, "Poses of a tool.", {
-    array_of(Ref::from_schema_name("ToolPose"), 2, Limits::DEFAULT.curve_points)
+schema_of!(PoseList of SentPose, "Poses of a tool.", {
+    array_of(reference::<SentPose>(), 2, Limits::DEFAULT.curve_points)
 });
 
 /// A way to smooth a path.
@@ -281,7 +281,7 @@ impl Given {
                 told("nc", path_text::nc::read(&text, machine, top_mm, reading), violations)
             }
             (None, None, None) => {
-                violations.add(&root, FieldCode::MissingField, "send `path`, `cl` or `nc`");
+                violations.add(&root.field("path"), FieldCode::MissingField, "send `path`, `cl` or `nc`");
                 Vec::new()
             }
             _ => {

@@ -8,12 +8,13 @@ use axum::response::{IntoResponse, Response};
 
 use crate::http::App;
 use crate::http::admission::Share;
+use crate::http::decode::query::NoQuery;
 use crate::http::dto::dnc::{DncTargets, SentProgram};
 use crate::http::error::{ApiError, Code};
 use crate::http::events::{self, Begun};
 use crate::http::extract::program_body;
 use crate::http::marks::Endless;
-use crate::http::negotiation::{NoQuery, Offers, Wanted};
+use crate::http::negotiation::{Offers, Wanted};
 use crate::http::output::{Encoded, Representation};
 use crate::http::retry::IDEMPOTENCY_KEY;
 use toolpathd_core::budget::Budget;

@@ -9,7 +9,6 @@ pub mod arc_fitting;
 pub mod axis;
 pub mod axis_output;
 pub mod capabilities;
-pub mod check;
 pub mod curve;
 pub mod cutting;
 pub mod dialect;
@@ -33,3 +32,5 @@ pub mod strategy;
 pub mod surface;
 pub mod tool;
 pub mod toolpath;
+
+pub use super::decode::check;

@@ -26,7 +26,7 @@ use super::v1;
         title = "toolpathd",
         description = "Turns part data into CNC toolpaths and NC programs. Lengths are in mm, feeds in mm/min, spindle speeds \
             in 1/min, angles in degrees, times in s. A request may carry a body in gzip (`Content-Encoding: gzip`), and the service \
-            answers in gzip where `Accept-Encoding` asks for gzip."
+            answers in gzip where `Accept-Encoding` asks for gzip. A member of a request that is `null` counts as absent."
     ),
     servers(
         (url = ".", description = "The service that answered this contract."),
@@ -42,9 +42,7 @@ use super::v1;
         (name = "service", description = "What this server accepts, and its contract"),
         (name = "operation", description = "For supervisors and load balancers")
     ),
-    components(schemas(Problem, super::answer::events::Progress, super::dto::point::Point, super::dto::point::PlanePoint,
-        super::dto::point::Position, super::dto::outline::Vertex, super::dto::outline::Outline, super::dto::pocketing::Cleared,
-        toolpathd_core::operations::pocketing::Pattern, super::dto::five_axis::SentPose, super::dto::five_axis::SentRotary))
+    components(schemas(Problem, super::answer::events::Progress))
 )]
 struct Document;
 

@@ -245,6 +245,47 @@ async fn a_whole_number_may_be_written_with_a_decimal_point() {
 }
 
 #[tokio::test]
+async fn a_member_that_is_null_counts_as_absent_everywhere() {
+    for (pointer, missing) in [
+        ("/program", None),
+        ("/program/units", None),
+        ("/engine", None),
+        ("/stock", None),
+        ("/meta", None),
+        ("/surface/twist", None),
+        ("/surface/end_tangents", None),
+        ("/strategy/trim", None),
+        ("/tool/number", None),
+        ("/cutting/coolant", None),
+        ("/tool", Some("#/tool")),
+        ("/tolerance_mm", Some("#/tolerance_mm")),
+        ("/surface/kind", Some("#/surface/kind")),
+        ("/strategy/stepover_mm", Some("#/strategy/stepover_mm")),
+    ] {
+        let mut body: Value = serde_json::from_str(ONE_PASS).expect("JSON");
+        body["program"] = json!({});
+        let (parent, name) = pointer.rsplit_once('/').expect("a pointer");
+        body.pointer_mut(parent).expect("a parent")[name] = Value::Null;
+        let answer = mill(body.to_string()).await;
+        match missing {
+            None => assert_eq!(answer.status, 200, "{pointer}: {}", answer.text()),
+            Some(at) => assert_eq!(answer.violations(), [("missing_field".to_owned(), at.to_owned())]),
+        }
+    }
+    let unknown = mill(with("/tolerence_mm", Value::Null)).await;
+    assert_eq!(unknown.violations(), [("unknown_field".to_owned(), "#/tolerence_mm".to_owned())]);
+}
+
+#[tokio::test]
+async fn thousands_of_wrong_values_are_counted_and_a_hundred_listed() {
+    let row = vec![json!(["x", "y", "z"]); 100];
+    let answer = mill(with("/surface/points", json!(vec![row; 100]))).await;
+    assert_eq!(answer.violations().len(), 100);
+    let detail = answer.problem()["detail"].as_str().unwrap_or_default().to_owned();
+    assert_eq!(detail, "30000 violations; the first at #/surface/points/0/0/0");
+}
+
+#[tokio::test]
 async fn the_error_names_utf_16_byte_order_marks_csv_nan_and_infinity() {
     let utf16: Vec<u8> = ONE_PASS.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let with_mark = [&[0xef, 0xbb, 0xbf], ONE_PASS.as_bytes()].concat();

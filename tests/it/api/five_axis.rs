@@ -224,7 +224,8 @@ async fn faults_of_texts_and_outputs_are_told_with_their_place() {
     };
     let goto = "GOTO/0,0,0\nGOTO/1,0,0,0,1,1\n";
     for (body, pointer, code) in [
-        (set(json!({})), "#", "missing_field"),
+        (set(json!({})), "#/path", "missing_field"),
+        (set(json!({ "path": null })), "#/path", "missing_field"),
         (set(json!({ "cl": goto, "nc": "G0" })), "#", "conflict"),
         (set(json!({ "cl": goto })), "#/cl", "out_of_range"),
         (set(json!({ "cl": "PARTNO/1\n" })), "#/cl", "out_of_range"),

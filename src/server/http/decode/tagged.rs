@@ -1,10 +1,9 @@
 //! Decodes objects whose member `kind` says which other members they have, and makes their schemas for the
 //! contract.
 //!
-//! All kinds of such an object form a Rust enum. A macro writes the decoder of the enum. It replaces the
-//! decoder that serde derives, whose errors point to the whole object, and not to the member at fault. The
-//! macro's decoder finds the path to the member. serde passes only a text from an inner decoder to an outer
-//! decoder, so path and error are packed into this text.
+//! All kinds of such an object form a Rust enum. A macro writes the decoder of the enum. serde's own decoder
+//! of such enums copies the object before it knows the kind; the macro's decoder reads the text twice, which
+//! is faster.
 
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
@@ -12,24 +11,16 @@ use serde_json::value::RawValue;
 use utoipa::openapi::schema::{Discriminator, ObjectBuilder, OneOfBuilder, Schema, Type};
 use utoipa::openapi::{Ref, RefOr};
 
-use super::decode_at;
 use super::object::Object;
-use super::words;
-use crate::http::error::{FieldCode, FieldError};
-use crate::http::pointer::Pointer;
-
-/// Begins a packed error and separates its parts. No other message of a decoder begins with this character.
-const MARK: char = '\u{1}';
 
 /// Makes an enum of objects with its decoder and its schema. Each object has a field `_kind` of type
-/// [`Kind`]; this macro adds the member `kind` to the schema of the object. `later` names kinds that the
-/// contract has and this version cannot read yet.
+/// [`Kind`]; this macro adds the member `kind` to the schema of the object.
 macro_rules! by_kind {
     (
         $(#[doc = $doc:literal])+
         #[derive($($derived:ident),+)]
         $(#[serde($($serde:tt)+)])?
-        $name:ident { $($kind:literal => $variant:ident($body:ty)),+ $(,)? } $(later [$($later:literal),+])?
+        $name:ident { $($kind:literal => $variant:ident($body:ty)),+ $(,)? }
     ) => {
         $(#[doc = $doc])+
         #[derive($($derived),+)]
@@ -44,7 +35,7 @@ macro_rules! by_kind {
                 let object = <&serde_json::value::RawValue as serde::Deserialize>::deserialize(deserializer)?;
                 match tagged::kind_of::<D::Error>(object)?.as_str() {
                     $($kind => tagged::decode(object).map(Self::$variant),)+
-                    other => Err(tagged::unknown(other, &[$($($later),+)?], &[$($kind),+])),
+                    _ => Err(serde::de::Error::custom("the kind is unknown")),
                 }
             }
         }
@@ -98,26 +89,9 @@ pub fn kind_of<E: Error>(object: &RawValue) -> Result<String, E> {
 /// Decodes the object as a `T`.
 ///
 /// # Errors
-/// The packed violation, when the object does not fit.
+/// When the object does not fit.
 pub fn decode<'de, T: Deserialize<'de>, E: Error>(object: &'de RawValue) -> Result<T, E> {
-    // Tracking the path takes longer than decoding itself, so only an object with an error is decoded again
-    // with it.
-    match serde_json::from_str(object.get()) {
-        Ok(Object(value)) => Ok(value),
-        Err(_) => decode_at(object.get()).map_err(|error| E::custom(pack(&error))),
-    }
-}
-
-/// The packed violation for a `kind` that is not in `expected`.
-pub fn unknown<E: Error>(kind: &str, later: &[&str], expected: &[&str]) -> E {
-    let at = Pointer::root().field("kind");
-    let (code, detail) = if later.contains(&kind) {
-        let names = expected.join("`, `");
-        (FieldCode::Unsupported, format!("`{kind}` is not supported yet; use one of `{names}`"))
-    } else {
-        (FieldCode::UnknownValue, words::unknown(kind, expected))
-    };
-    E::custom(pack(&FieldError::new(&at, code, detail)))
+    serde_json::from_str(object.get()).map(|Object(value)| value).map_err(E::custom)
 }
 
 /// The schema of an enum: one of several objects, each given by its kind and the name of its schema.
@@ -146,27 +120,3 @@ pub fn with_kind(kind: &str, schema: RefOr<Schema>) -> RefOr<Schema> {
     object.required.insert(0, "kind".to_owned());
     RefOr::T(Schema::Object(object))
 }
-
-/// Packs a violation into a message: pointer, code and detail.
-fn pack(error: &FieldError) -> String {
-    let code = CODES.iter().position(|code| *code == error.code).unwrap_or_default();
-    format!("{MARK}{}{MARK}{code}{MARK}{}{MARK}", error.pointer, error.detail)
-}
-
-/// The violation packed in the message of an outer decoder. `None` for any other message.
-pub fn unpack(message: &str) -> Option<FieldError> {
-    let mut parts = message.strip_prefix(MARK)?.split(MARK);
-    let (pointer, code, detail) = (parts.next()?, parts.next()?, parts.next()?);
-    let code = *CODES.get(code.parse::<usize>().ok()?)?;
-    Some(FieldError { pointer: pointer.to_owned(), code, detail: detail.to_owned(), offset: None })
-}
-
-/// The codes that decoding can find. A packed violation holds the index of its code.
-const CODES: [FieldCode; 6] = [
-    FieldCode::WrongType,
-    FieldCode::WrongLength,
-    FieldCode::UnknownField,
-    FieldCode::MissingField,
-    FieldCode::UnknownValue,
-    FieldCode::Unsupported,
-];

@@ -1,7 +1,6 @@
 //! The requests to fit arcs to a polyline and to an NC program.
 
 use serde::{Deserialize, Serialize};
-use utoipa::openapi::Ref;
 use utoipa::{IntoParams, ToSchema};
 
 use super::check::{Range, Violations};
@@ -10,12 +9,12 @@ use super::dialect::{self, DialectName};
 use super::meta::{Meta, MetaTexts};
 use super::point::Position;
 use super::program::Program;
-use super::schema::{array_of, schema_of};
+use super::schema::{array_of, reference, schema_of};
 use super::setup::{JobWithSetup, SentSetup};
 use super::tool::Tool;
 use crate::config::Limits;
-use crate::http::decode::IntoJob;
-use crate::http::decode::object;
+use crate::http::decode::query::{self, FromQuery, Parameters};
+use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::arc_fit::{Continuity, Fit, Joints, Measure, Method};
@@ -84,12 +83,12 @@ pub struct FitRequest {
     meta: Option<Meta>,
 }
 
-schema_of!(Polyline, "Points in mm, in order.", {
-    array_of(Ref::from_schema_name("Position"), 2, Limits::DEFAULT.curve_points)
+schema_of!(Polyline of Position, "Points in mm, in order.", {
+    array_of(reference::<Position>(), 2, Limits::DEFAULT.curve_points)
 });
 
 /// How the G1 blocks of a program are fitted: the query of a body that is NC text.
-#[derive(Debug, Clone, Deserialize, IntoParams)]
+#[derive(Debug, Clone, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct ProgramQuery {
     /// Required with a body of NC text, refused with a body of JSON: the largest distance between the new
@@ -103,12 +102,10 @@ pub struct ProgramQuery {
     dialect: Option<String>,
     /// How the blocks for a body of NC text are found; refused with a body of JSON. `optimal`: the fewest
     /// blocks. `greedy`: each block is as long as possible. Default: `optimal`.
-    #[serde(default)]
     #[param(inline, required = false)]
     method: ProgramMethod,
     /// How neighbouring blocks for a body of NC text meet; refused with a body of JSON. `position`: at an
     /// angle if need be. `tangent`: in the same direction, except at real corners. Default: `position`.
-    #[serde(default)]
     #[param(inline, required = false)]
     continuity: Continuity,
 }
@@ -122,10 +119,20 @@ pub enum ProgramMethod {
     Greedy,
 }
 
-impl ProgramQuery {
-    /// The names of the parameters.
-    pub const NAMES: [&'static str; 4] = ["tolerance_mm", "dialect", "method", "continuity"];
+impl FromQuery for ProgramQuery {
+    const NAMES: &'static [&'static str] = &["tolerance_mm", "dialect", "method", "continuity"];
 
+    fn read(sent: &Parameters) -> Result<Self, String> {
+        Ok(Self {
+            tolerance_mm: sent.number("tolerance_mm")?.ok_or_else(|| query::required("tolerance_mm"))?,
+            dialect: sent.text("dialect")?.map(str::to_owned),
+            method: sent.name("method")?.unwrap_or_default(),
+            continuity: sent.name("continuity")?.unwrap_or_default(),
+        })
+    }
+}
+
+impl ProgramQuery {
     /// The job of the query.
     ///
     /// # Errors

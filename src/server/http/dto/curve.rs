@@ -4,11 +4,10 @@ mod nurbs;
 
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::Ref;
 
 use super::check::{Range, Violations};
 use super::point::PlanePoint;
-use super::schema::{array_of, schema_of};
+use super::schema::{array_of, reference, schema_of};
 use crate::config::Limits;
 use crate::http::decode::tagged::{Kind, by_kind};
 use crate::http::error::FieldCode;
@@ -71,8 +70,8 @@ pub struct SectionCurve {
     text: String,
 }
 
-schema_of!(CurvePoints, "Points `[x, y]`, in mm, in the order of a curve.", {
-    array_of(Ref::from_schema_name("PlanePoint"), 2, Limits::DEFAULT.curve_points)
+schema_of!(CurvePoints of PlanePoint, "Points `[x, y]`, in mm, in the order of a curve.", {
+    array_of(reference::<PlanePoint>(), 2, Limits::DEFAULT.curve_points)
 });
 
 /// Checks the number of points of a curve and every coordinate. `false` where there are too many points.

@@ -3,12 +3,11 @@
 use nalgebra::Point2;
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::Ref;
 
 use super::check::Violations;
 use super::meta::{self, Meta, MetaTexts};
 use super::point::PlanePoint;
-use super::schema::{array_of, schema_of};
+use super::schema::{array_of, reference, schema_of};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
@@ -36,8 +35,8 @@ pub struct DropRequest {
     meta: Option<Meta>,
 }
 
-schema_of!(DropPoints, "Points `[x, y]`, in mm.", {
-    array_of(Ref::from_schema_name(PlanePoint::name()), 1, Limits::DEFAULT.drop_points)
+schema_of!(DropPoints of PlanePoint, "Points `[x, y]`, in mm.", {
+    array_of(reference::<PlanePoint>(), 1, Limits::DEFAULT.drop_points)
 });
 
 /// A request in the core's terms.

@@ -8,7 +8,6 @@ mod samples;
 use nalgebra::Point3;
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::Ref;
 
 use super::axis::{self, AxisDirection};
 use super::axis_output::AxisSetup;
@@ -17,7 +16,7 @@ use super::cutting::Cutting;
 use super::meta::{Meta, MetaTexts};
 use super::point::{Coordinates, Point};
 use super::program::Program;
-use super::schema::{array_of, schema_of};
+use super::schema::{array_of, reference, schema_of};
 use super::setup::{SentSetup, Setup};
 use super::tool::Tool;
 use crate::config::Limits;
@@ -26,7 +25,7 @@ use crate::http::error::{ApiError, FieldCode};
 use crate::http::messages;
 use crate::http::pointer::Pointer;
 use limits::SentLimits;
-pub use machine::{Machines, SentMachine, SentRotary};
+pub use machine::{Machines, SentMachine};
 pub use samples::{Sample, SampleMembers, SmoothMembers, SmoothQuery};
 use toolpathd_core::machine::{Machine, Straying};
 use toolpathd_core::operations::five_axis::{self as core, Method};
@@ -55,6 +54,7 @@ const RETRACT_MM: Range = Range { min: 0.0, max: 1000.0 };
 pub struct SmoothRequest {
     /// The poses of the tool. Between two poses the tip moves on a line, and the axis turns on the great
     /// circle in step with the tip.
+    #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(value_type = Option<PoseList>)]
     path: Option<Vec<SentPose>>,
     /// The text of APT CL data: `GOTO/x,y,z,i,j,k` with `FEDRAT` and `RAPID`.
@@ -135,8 +135,8 @@ pub struct SentPose {
     rapid: bool,
 }
 
-schema_of!(PoseList, "Poses of a tool.", {
-    array_of(Ref::from_schema_name("ToolPose"), 2, Limits::DEFAULT.curve_points)
+schema_of!(PoseList of SentPose, "Poses of a tool.", {
+    array_of(reference::<SentPose>(), 2, Limits::DEFAULT.curve_points)
 });
 
 /// A request in the core's terms.
@@ -264,7 +264,7 @@ impl Given {
                 told("nc", path_text::nc::read(&text, machine, top_mm, reading), violations)
             }
             (None, None, None) => {
-                violations.add(&root, FieldCode::MissingField, "send `path`, `cl` or `nc`");
+                violations.add(&root.field("path"), FieldCode::MissingField, "send `path`, `cl` or `nc`");
                 Vec::new()
             }
             _ => {

@@ -86,10 +86,9 @@ pub struct MillRequest {
 /// `extent` is the size along x and along y, mm.
 fn check_size(at: &Pointer, extent: [f64; 2], tool: &Tool, violations: &mut Violations) {
     let [x, y] = extent;
-    // An impossibly large cutter is itself the mistake, or its diameter is a stand-in of `decode::mend`.
-    let is_cutter = tool.diameter_mm() <= LARGEST_CUTTER_MM;
-    let is_speck = is_cutter && x.max(y) < LEAST_PART_OF_CUTTER * tool.diameter_mm();
-    if is_speck && x.max(y) > 0.0 {
+    let is_speck = x.max(y) < LEAST_PART_OF_CUTTER * tool.diameter_mm();
+    // An illegal diameter is itself the mistake.
+    if Range::POSITIVE.holds(tool.diameter_mm()) && is_speck && x.max(y) > 0.0 {
         let detail = format!(
             "the part measures {x:.4} mm by {y:.4} mm, less than a twentieth of the cutter's diameter: send the points in mm, not in metres or inches"
         );
@@ -107,11 +106,10 @@ fn check_allowance(
     violations: &mut Violations,
 ) {
     let Some(allowance) = allowance_mm.filter(|allowance| ALLOWANCE.holds(*allowance)) else { return };
-    let is_cutter = tool.diameter_mm() <= LARGEST_CUTTER_MM;
     let longer = extent[0].max(extent[1]);
     // A part that is too small even without an allowance is a violation of the surface.
     let is_part = longer >= LEAST_PART_OF_CUTTER * tool.diameter_mm();
-    if is_cutter && is_part && longer < LEAST_PART_OF_CUTTER * (tool.diameter_mm() + 2.0 * allowance) {
+    if is_part && longer < LEAST_PART_OF_CUTTER * (tool.diameter_mm() + 2.0 * allowance) {
         let most = 0.5 * (longer / LEAST_PART_OF_CUTTER - tool.diameter_mm());
         let detail = format!(
             "{allowance} mm is too much for a part that measures {longer:.4} mm: send at most {most:.3} mm"
@@ -119,9 +117,6 @@ fn check_allowance(
         violations.add(at, FieldCode::LimitExceeded, detail);
     }
 }
-
-/// Largest diameter of a real cutter, mm.
-const LARGEST_CUTTER_MM: f64 = 500.0;
 
 /// Smallest size of a surface, as a fraction of the cutter's diameter. A smaller surface is refused.
 const LEAST_PART_OF_CUTTER: f64 = 0.05;

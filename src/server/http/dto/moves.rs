@@ -23,7 +23,7 @@ by_kind! {
         "parabola" => Parabola(ParabolaMove),
         "turn" => Turn(TurnMove),
         "dwell" => Dwell(DwellMove),
-    } later ["spline"]
+    }
 }
 
 /// A straight move at the machine's traverse rate.

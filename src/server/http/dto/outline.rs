@@ -5,12 +5,12 @@ use std::fmt;
 use nalgebra::Point2;
 use serde::de::{Error, IgnoredAny, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
+use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::Schema;
-use utoipa::openapi::{Ref, RefOr};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::check::{Range, Violations};
-use super::schema::{array_of, number, schema_of};
+use super::schema::{array_of, number, reference, schema_of};
 use crate::config::Limits;
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::segment::Segment;
@@ -43,11 +43,11 @@ pub struct Region {
     islands: Option<Vec<Vec<Vertex>>>,
 }
 
-schema_of!(Outline, "Vertices `[x, y]` or `[x, y, bulge]` of a closed outline.", {
-    array_of(Ref::from_schema_name("Vertex"), 2, Limits::DEFAULT.curve_points)
+schema_of!(Outline of Vertex, "Vertices `[x, y]` or `[x, y, bulge]` of a closed outline.", {
+    array_of(reference::<Vertex>(), 2, Limits::DEFAULT.curve_points)
 });
 
-schema_of!(Islands, "Closed outlines.", { array_of(Ref::from_schema_name("Outline"), 0, MAX_ISLANDS) });
+schema_of!(Islands of Outline, "Closed outlines.", { array_of(reference::<Outline>(), 0, MAX_ISLANDS) });
 
 impl Region {
     pub fn new(boundary: Vec<Vertex>, islands: Option<Vec<Vec<Vertex>>>) -> Self {

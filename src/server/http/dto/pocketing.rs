@@ -11,7 +11,7 @@ use super::cutting::Cutting;
 use super::meta::{Meta, MetaTexts};
 use super::outline::Region;
 use super::program::Program;
-use super::schema::{array_of, schema_of};
+use super::schema::{array_of, reference, schema_of};
 use super::setup::{JobWithSetup, SentSetup};
 use super::surface::Surface;
 use super::tool::Tool;
@@ -22,7 +22,6 @@ use crate::http::pointer::Pointer;
 pub use cleared::Cleared;
 use relief::{Heights, IslandsBy, SentRelief};
 use toolpathd_core::operations::pocketing::{self as core, ChooseBy, Milling, Pattern};
-use utoipa::openapi::Ref;
 
 /// A pocket to be cleared.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -47,6 +46,7 @@ pub struct PocketRequest {
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     cell_mm: Option<f64>,
     /// What earlier tools have emptied. Only the material that is left is cut.
+    #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(value_type = Option<ClearedList>)]
     cleared: Option<Vec<Cleared>>,
     /// Height of the stock's top, in mm. Default: 0; with `heights` or `surface` their highest point.
@@ -97,10 +97,10 @@ pub struct PocketRequest {
     meta: Option<Meta>,
 }
 
-schema_of!(Patterns, "Patterns, each once.", { array_of(Ref::from_schema_name("Pattern"), 1, 7) });
+schema_of!(Patterns of Pattern, "Patterns, each once.", { array_of(reference::<Pattern>(), 1, 7) });
 
-schema_of!(ClearedList, "Emptied places.", {
-    array_of(Ref::from_schema_name("ClearedPlaces"), 0, MOST_CLEARED)
+schema_of!(ClearedList of Cleared, "Emptied places.", {
+    array_of(reference::<Cleared>(), 0, MOST_CLEARED)
 });
 
 /// How the cutter comes down into the material: on the largest helix that fits, else on a ramp along the

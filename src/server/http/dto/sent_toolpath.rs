@@ -8,6 +8,7 @@ use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
 use super::moves::{ArcMove, DwellMove, LineMove, Move, ParabolaMove, RapidMove, TurnMove};
 use super::point::{Coordinates, Point};
 use super::toolpath::MAX_LEVEL;
+use crate::http::decode::object;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::curve::Arc;
@@ -26,6 +27,7 @@ const MAX_DWELL_S: f64 = 86_400.0;
 #[serde(deny_unknown_fields)]
 pub struct SentToolpath {
     start: Point,
+    #[serde(deserialize_with = "object::list")]
     passes: Vec<SentPass>,
 }
 

@@ -120,7 +120,7 @@ fn add_forms(operation: &mut Value) {
     let format = parameters.find(|parameter| parameter["name"] == "format");
     let Some(names) = format.and_then(|format| format["schema"]["enum"].as_array()).cloned() else { return };
     let answer = &mut operation["responses"]["200"];
-    let forms = names.into_iter().filter_map(|name| serde_json::from_value::<Representation>(name).ok());
+    let forms = names.iter().filter_map(|name| Representation::named(name.as_str()?));
     for media_type in forms.flat_map(Representation::media_types).filter(|media_type| **media_type != JSON) {
         answer["content"][media_type] = json!({ "schema": { "type": "string" } });
     }

@@ -1,11 +1,8 @@
 //! Chooses the form of an answer from the forms that the endpoint offers. The query parameter `format`
 //! decides; without it the header `Accept` decides.
 
-use axum::extract::{FromRequestParts, Query};
-use axum::http::Uri;
+use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use utoipa::IntoParams;
 use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn};
 use utoipa::openapi::schema::{ObjectBuilder, Type};
@@ -13,6 +10,7 @@ use utoipa::openapi::schema::{ObjectBuilder, Type};
 use super::accept;
 use super::representation::{self, Representation};
 use super::request_id::RequestId;
+use crate::http::decode::query::{self, FromQuery, NoQuery, Parameters};
 use crate::http::decode::words;
 use crate::http::error::{ApiError, Code};
 
@@ -24,16 +22,9 @@ pub trait Offers {
     /// The names of the shared parameters that these endpoints read.
     const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "nc"];
 
-    /// The names of the endpoint's own parameters, which are the fields of `Query`.
-    const OWN_PARAMETERS: &'static [&'static str] = &[];
-
     /// The endpoint's own parameters.
-    type Query: DeserializeOwned;
+    type Query: FromQuery;
 }
-
-/// The query of an endpoint without parameters of its own.
-#[derive(Debug, Deserialize)]
-pub struct NoQuery {}
 
 /// Endpoints that answer a toolpath, whose program can be written.
 pub enum Toolpaths {}
@@ -75,14 +66,6 @@ impl Offers for Models {
         &[Representation::Json, Representation::Svg, Representation::Html, Representation::Events];
 }
 
-/// The parameters that endpoints share.
-#[derive(Debug, Deserialize)]
-struct AnswerQuery {
-    format: Option<Representation>,
-    toolpath: Option<bool>,
-    nc: Option<bool>,
-}
-
 /// The form of one answer.
 #[derive(Debug, Clone)]
 pub struct Form {
@@ -111,59 +94,29 @@ impl<O: Offers, S: Sync> FromRequestParts<S> for Wanted<O> {
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
         let request_id = RequestId::from_request_parts(parts, state).await?;
         let invalid = |detail: String| ApiError::new(Code::InvalidQuery, detail);
-        check_names::<O>(&parts.uri).map_err(invalid)?;
-        let AnswerQuery { format, toolpath, nc } = read(&parts.uri).map_err(invalid)?;
-        let query = read(&parts.uri).map_err(invalid)?;
+        let known: Vec<&str> = O::PARAMETERS.iter().chain(O::Query::NAMES).copied().collect();
+        let sent = Parameters::among(&known, &parts.uri).map_err(invalid)?;
+        let format = sent.text("format").and_then(|name| name.map(named).transpose()).map_err(invalid)?;
+        let with_toolpath = sent.flag("toolpath").map_err(invalid)?;
+        let with_nc = sent.flag("nc").map_err(invalid)?.unwrap_or(false);
+        let query = O::Query::read(&sent).map_err(invalid)?;
         let (representation, media_type) = representation::choose(O::OFFERS, &parts.headers, format)?;
-        let with_nc = nc.unwrap_or(false);
         if with_nc && !O::OFFERS.contains(&Representation::Gcode) {
             let detail = "`nc` asks for a program, and this endpoint makes none: leave `nc` out";
             return Err(ApiError::new(Code::InvalidRequest, detail));
         }
         let with_gzip = accept::takes_gzip(&parts.headers);
-        let form =
-            Form { representation, media_type, with_toolpath: toolpath, with_nc, with_gzip, request_id };
+        let form = Form { representation, media_type, with_toolpath, with_nc, with_gzip, request_id };
         Ok(Self { form, query })
     }
 }
 
-/// Refuses a parameter that the endpoint does not read: a misspelt parameter must not silently do nothing.
-fn check_names<O: Offers>(uri: &Uri) -> Result<(), String> {
-    let known: Vec<&str> = O::PARAMETERS.iter().chain(O::OWN_PARAMETERS).copied().collect();
-    let sent: Vec<(String, String)> = read(uri)?;
-    match sent.iter().find(|(name, _)| !known.contains(&name.as_str())) {
-        None => Ok(()),
-        Some((name, _)) => {
-            Err(format!("the query parameter `{name}` is unknown here; use one of `{}`", known.join("`, `")))
-        }
-    }
-}
-
-/// The parameters that `T` names, read from the query.
-fn read<T: DeserializeOwned>(uri: &Uri) -> Result<T, String> {
-    let Query(query) = Query::try_from_uri(uri).map_err(|rejection| plain(&rejection.body_text()))?;
-    Ok(query)
-}
-
-/// The message of the query decoder in plain words. The decoder names the parameter and the fault, or the
-/// fault alone.
-fn plain(message: &str) -> String {
-    let message = message.strip_prefix("Failed to deserialize query string: ").unwrap_or(message);
-    let (name, fault) = message.split_once(": ").unwrap_or(("", message));
-    let quoted: Vec<&str> = fault.split('`').skip(1).step_by(2).collect();
-    match quoted.as_slice() {
-        [missing] if fault.starts_with("missing field") => {
-            format!("the query parameter `{missing}` is required")
-        }
-        [repeated] if fault.starts_with("duplicate field") => {
-            format!("the query parameter `{repeated}` stands twice: send `{repeated}` once")
-        }
-        [value, names @ ..] if fault.starts_with("unknown variant") => {
-            format!("the query parameter `{name}`: {}", words::unknown(value, names))
-        }
-        _ if fault.contains("`true`") => format!("the query parameter `{name}` must be `true` or `false`"),
-        _ => format!("the query parameter `{name}` must be a number"),
-    }
+/// The form that the parameter `format` names.
+fn named(name: &str) -> Result<Representation, String> {
+    Representation::named(name).ok_or_else(|| {
+        let names: Vec<&str> = Representation::ALL.iter().filter_map(|form| form.name()).collect();
+        query::unknown("format", name, &names)
+    })
 }
 
 /// The shared parameters for the contract, with the values that the endpoint offers.
@@ -200,39 +153,5 @@ impl<O: Offers> IntoParams for Wanted<O> {
             parameters.push(parameter("nc", nc, yes_or_no()));
         }
         parameters
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn faults_of_a_query_name_the_parameter_and_what_to_send() {
-        #[derive(Debug, Deserialize)]
-        struct Own {
-            _tolerance_mm: f64,
-        }
-        let own = |query: &str| read::<Own>(&format!("/?{query}").parse().expect("a path")).map(|_| ());
-        let shared =
-            |query: &str| read::<AnswerQuery>(&format!("/?{query}").parse().expect("a path")).map(|_| ());
-        for (result, words) in [
-            (own(""), "the query parameter `_tolerance_mm` is required"),
-            (own("_tolerance_mm=fine"), "the query parameter `_tolerance_mm` must be a number"),
-            (shared("nc=maybe"), "the query parameter `nc` must be `true` or `false`"),
-            (shared("nc=true&nc=true"), "the query parameter `nc` stands twice: send `nc` once"),
-            (
-                shared("format=pdf"),
-                "the query parameter `format`: `pdf` is unknown; use one of `json`, `gcode`, `svg`, `html`",
-            ),
-        ] {
-            assert_eq!(result, Err(words.to_owned()));
-        }
-        let unknown = check_names::<Models>(&"/?tolpath=false".parse().expect("a path"));
-        assert_eq!(
-            unknown,
-            Err("the query parameter `tolpath` is unknown here; use one of `format`, `toolpath`, `nc`"
-                .to_owned())
-        );
     }
 }

@@ -1,7 +1,6 @@
 //! The forms of answers, such as JSON, NC text and pictures, with their media types.
 
 use axum::http::HeaderMap;
-use serde::Deserialize;
 
 use super::accept;
 use crate::http::error::{ApiError, Code};
@@ -15,8 +14,7 @@ pub const EVENTS: &str = "text/event-stream";
 pub const GCODE: [&str; 4] = ["text/x-gcode", "text/x.gcode", "application/x-gcode", "text/plain"];
 
 /// The form of an answer. The query parameter `format` takes these names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Representation {
     Json,
     /// NC text.
@@ -27,11 +25,17 @@ pub enum Representation {
     Html,
     /// Progress while the computation runs, and then the JSON answer. `format` has no name for events,
     /// because a browser cannot show them behind a link.
-    #[serde(skip)]
     Events,
 }
 
 impl Representation {
+    pub const ALL: [Self; 5] = [Self::Json, Self::Gcode, Self::Svg, Self::Html, Self::Events];
+
+    /// The form that `format` calls `name`.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|form| form.name() == Some(name))
+    }
+
     /// The value of `format`. `None` for events.
     pub fn name(self) -> Option<&'static str> {
         match self {
@@ -83,7 +87,6 @@ pub fn choose(
 #[cfg(test)]
 mod tests {
     use axum::http::{HeaderValue, header};
-    use serde_json::json;
 
     use super::*;
 
@@ -103,11 +106,15 @@ mod tests {
     }
 
     #[test]
-    fn the_query_reads_the_name_of_every_representation() {
-        for offer in [Representation::Json, Representation::Gcode, Representation::Svg, Representation::Html]
-        {
-            let read: Representation = serde_json::from_value(json!(offer.name())).expect("a name");
-            assert_eq!(read, offer);
+    fn the_query_names_every_representation_but_events() {
+        for (name, form) in [
+            ("json", Some(Representation::Json)),
+            ("gcode", Some(Representation::Gcode)),
+            ("svg", Some(Representation::Svg)),
+            ("html", Some(Representation::Html)),
+            ("events", None),
+        ] {
+            assert_eq!(Representation::named(name), form);
         }
     }
 }

@@ -116,7 +116,6 @@ enum ProgramForms {}
 impl Offers for ProgramForms {
     const OFFERS: &'static [Representation] = &[Representation::Gcode, Representation::Json];
     const PARAMETERS: &'static [&'static str] = &["format"];
-    const OWN_PARAMETERS: &'static [&'static str] = &ProgramQuery::NAMES;
     type Query = ProgramQuery;
 }
 

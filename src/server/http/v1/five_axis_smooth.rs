@@ -32,7 +32,6 @@ pub enum Smooths {}
 
 impl Offers for Smooths {
     const OFFERS: &'static [Representation] = Toolpaths::OFFERS;
-    const OWN_PARAMETERS: &'static [&'static str] = &SmoothQuery::NAMES;
     type Query = SmoothQuery;
 }
 

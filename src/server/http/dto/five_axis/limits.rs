@@ -73,15 +73,8 @@ pub struct SentTipLimits {
 }
 
 fn checked(value: Option<f64>, at: &Pointer, violations: &mut Violations) -> f64 {
-    let value = value.unwrap_or(f64::INFINITY);
-    if value.is_finite() && !LIMIT.holds(value) {
-        violations.add(
-            at,
-            FieldCode::OutOfRange,
-            format!("{value} is not allowed; send 0.001 to 1000000000"),
-        );
-    }
-    value
+    violations.optional(at, value, LIMIT, "");
+    value.unwrap_or(f64::INFINITY)
 }
 
 impl SentLimits {

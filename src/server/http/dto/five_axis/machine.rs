@@ -5,14 +5,13 @@ use std::array::from_fn;
 use nalgebra::{Point3, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
-use utoipa::openapi::Ref;
 
 use super::mtconnect;
 use crate::http::decode::object;
 use crate::http::dto::axis::{self, AxisDirection};
 use crate::http::dto::check::{Range, Violations};
 use crate::http::dto::point::{Coordinates, Point};
-use crate::http::dto::schema::{array_of, number, schema_of};
+use crate::http::dto::schema::{array_of, number, reference, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use toolpathd_core::machine::{Kind, Machine, RotaryAxis, named};
@@ -41,6 +40,7 @@ pub struct SentMachine {
     #[schema(pattern = "^[ABC][ABC]$")]
     axes: Option<String>,
     /// More about the two rotary axes, in the order of `axes`. Default: the defaults of all members.
+    #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(value_type = Option<RotaryPair>)]
     rotary: Option<Vec<SentRotary>>,
     /// Travel of the linear axes. Default: without ends.
@@ -51,7 +51,7 @@ pub struct SentMachine {
     pivot_mm: Option<f64>,
 }
 
-schema_of!(RotaryPair, "Two rotary axes.", { array_of(Ref::from_schema_name("RotaryAxis"), 2, 2) });
+schema_of!(RotaryPair of SentRotary, "Two rotary axes.", { array_of(reference::<SentRotary>(), 2, 2) });
 
 /// A rotary axis of a machine.
 #[derive(Debug, Default, Deserialize, ToSchema)]

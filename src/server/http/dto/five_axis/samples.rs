@@ -5,6 +5,7 @@ use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::Schema;
 use utoipa::{IntoParams, PartialSchema, ToSchema};
 
+use crate::http::decode::query::{FromQuery, Parameters};
 use crate::http::dto::answer::{PathMembers, joined};
 use crate::http::dto::axis::{AxisDirection, components};
 use crate::http::dto::point::{Coordinates, Point};
@@ -13,7 +14,7 @@ use toolpathd_core::operations::five_axis as core;
 use toolpathd_core::toolpath::pose::Pose;
 
 /// What the answer holds besides the report.
-#[derive(Debug, Deserialize, IntoParams)]
+#[derive(Debug, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct SmoothQuery {
     /// Whether the JSON answer holds the samples of the motion in `samples`. Default: `false`.
@@ -34,10 +35,15 @@ pub enum SmoothPicture {
     Motion,
 }
 
-impl SmoothQuery {
-    /// The names of the parameters.
-    pub const NAMES: [&'static str; 2] = ["samples", "picture"];
+impl FromQuery for SmoothQuery {
+    const NAMES: &'static [&'static str] = &["samples", "picture"];
 
+    fn read(sent: &Parameters) -> Result<Self, String> {
+        Ok(Self { samples: sent.flag("samples")?, picture: sent.name("picture")? })
+    }
+}
+
+impl SmoothQuery {
     pub fn with_samples(&self) -> bool {
         self.samples.unwrap_or(false)
     }

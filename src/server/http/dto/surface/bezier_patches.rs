@@ -2,13 +2,12 @@
 
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::Ref;
 
 use crate::config::Limits;
 use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::dto::point::Point;
-use crate::http::dto::schema::{array_of, schema_of};
+use crate::http::dto::schema::{array_of, reference, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::surface::net_grid as core;
@@ -30,8 +29,8 @@ pub struct BezierPatches {
     patches: Vec<Vec<[[Point; 4]; 4]>>,
 }
 
-schema_of!(BezierNets, "Rows of 4 x 4 control nets, in mm.", {
-    let net = array_of(array_of(Ref::from_schema_name("Point"), 4, 4), 4, 4);
+schema_of!(BezierNets of Point, "Rows of 4 x 4 control nets, in mm.", {
+    let net = array_of(array_of(reference::<Point>(), 4, 4), 4, 4);
     let most = Limits::DEFAULT.surface_points / POINTS;
     array_of(array_of(net, 1, most), 1, most)
 });

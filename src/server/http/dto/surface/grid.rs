@@ -1,20 +1,18 @@
 //! Checks of grids of points, vectors and numbers.
 
-use utoipa::openapi::Ref;
-
 use crate::config::Limits;
 use crate::http::dto::check::Violations;
 use crate::http::dto::point::Point;
-use crate::http::dto::schema::{array_of, schema_of};
+use crate::http::dto::schema::{array_of, reference, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 
 schema_of!(
-    PointRows,
+    PointRows of Point,
     "Rows of points or vectors `[x, y, z]`, in mm. Every row is as long as the first row.",
     {
         let most = Limits::DEFAULT.surface_points / 2;
-        array_of(array_of(Ref::from_schema_name("Point"), 2, most), 2, most)
+        array_of(array_of(reference::<Point>(), 2, most), 2, most)
     }
 );
 

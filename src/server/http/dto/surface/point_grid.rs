@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 use utoipa::ToSchema;
-use utoipa::openapi::Ref;
 
 use super::grid::{self, PointRows};
 use super::grid_order;
@@ -12,7 +11,7 @@ use crate::http::decode::object;
 use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::dto::point::Point;
-use crate::http::dto::schema::{array_of, schema_of};
+use crate::http::dto::schema::{array_of, reference, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::surface::point_grid::{self as core, Twist};
@@ -88,8 +87,8 @@ pub struct EndTangents {
     v1: Vec<Point>,
 }
 
-schema_of!(TangentRow, "Vectors `[x, y, z]`, in mm, one for each point of a boundary.", {
-    array_of(Ref::from_schema_name("Point"), 2, Limits::DEFAULT.surface_points / 2)
+schema_of!(TangentRow of Point, "Vectors `[x, y, z]`, in mm, one for each point of a boundary.", {
+    array_of(reference::<Point>(), 2, Limits::DEFAULT.surface_points / 2)
 });
 
 impl PointGrid {

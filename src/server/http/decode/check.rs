@@ -1,6 +1,7 @@
 //! Checks numbers, counts and texts of a request. The check goes on after a violation, so that all violations
 //! are collected.
 
+use super::words;
 use crate::http::error::{ApiError, FieldCode, FieldError, MAX_ERRORS};
 use crate::http::pointer::Pointer;
 
@@ -44,23 +45,25 @@ pub struct Violations {
 
 impl Violations {
     pub fn add(&mut self, at: &Pointer, code: FieldCode, detail: impl Into<String>) {
+        self.add_made(|| FieldError::new(at, code, detail));
+    }
+
+    /// As [`Self::add`], for a violation that is made only where it is listed.
+    pub fn add_made(&mut self, make: impl FnOnce() -> FieldError) {
         self.total += 1;
         if self.first.len() < MAX_ERRORS {
-            self.first.push(FieldError::new(at, code, detail));
+            self.first.push(make());
         }
     }
 
     /// As [`Self::add`], for byte `offset` of an expression or a section curve.
     pub fn add_in_text(&mut self, at: &Pointer, offset: usize, code: FieldCode, detail: impl Into<String>) {
-        self.total += 1;
-        if self.first.len() < MAX_ERRORS {
-            self.first.push(FieldError::in_text(at, offset, code, detail));
-        }
+        self.add_made(|| FieldError::in_text(at, offset, code, detail));
     }
 
     /// Checks that a number of the given unit is in `range`.
     pub fn number(&mut self, at: &Pointer, value: f64, range: Range, unit: &str) {
-        if value.abs() > MAX_MAGNITUDE_MM {
+        if value.abs() > MAX_MAGNITUDE_MM && range.max <= MAX_MAGNITUDE_MM {
             let most = with_unit(MAX_MAGNITUDE_MM, unit);
             let detail = format!("{} is too large; no number may be beyond {most}", with_unit(value, unit));
             self.add(at, FieldCode::TooLarge, detail);
@@ -82,7 +85,7 @@ impl Violations {
     /// Checks that a whole number is in a range.
     pub fn integer(&mut self, at: &Pointer, value: u32, (min, max): (u32, u32)) {
         if !(min..=max).contains(&value) {
-            self.add(at, FieldCode::OutOfRange, format!("{value} is not allowed; send {min} to {max}"));
+            self.add(at, FieldCode::OutOfRange, words::outside(value, min, max));
         }
     }
 
@@ -101,8 +104,7 @@ impl Violations {
     pub fn text(&mut self, at: &Pointer, value: &str, max_characters: usize) {
         let characters = value.chars().count();
         if characters > max_characters {
-            let detail = format!("the text has {characters} characters; send at most {max_characters}");
-            self.add(at, FieldCode::TooLong, detail);
+            self.add(at, FieldCode::TooLong, words::too_long(characters, max_characters));
         }
     }
 

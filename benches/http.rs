@@ -36,7 +36,7 @@ fn service() -> SocketAddr {
             let app = App::new(&Cli::parse_from(["toolpathd"]).settings);
             let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.expect("a port");
             tell.send(listener.local_addr().expect("an address")).expect("the bench waits");
-            serve::serve(listener, router(&app), &app, std::future::pending()).await.expect("served");
+            serve(listener, router(&app), &app, std::future::pending()).await.expect("served");
         });
     });
     told.recv().expect("an address")

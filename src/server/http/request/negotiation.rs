@@ -11,7 +11,6 @@ use super::accept;
 use super::representation::{self, Representation};
 use super::request_id::RequestId;
 use crate::http::decode::query::{self, FromQuery, NoQuery, Parameters};
-use crate::http::decode::words;
 use crate::http::error::{ApiError, Code};
 
 /// The forms in which endpoints of one kind answer, and the query parameters that they read.

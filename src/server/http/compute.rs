@@ -8,8 +8,8 @@
 //!    that it does not wait for large ones.
 //! 3. The computation runs on a thread until it ends or its deadline passes. The deadline starts when the
 //!    computation starts. Then worker and ticket are free again.
-//! 4. A [`Step`] is a short piece of work before or between jobs. It has a thread of its own, which no job can
-//!    take.
+//! 4. A [`Step`] is a short piece of work before or between jobs. It has a thread of its own, which no job
+//!    can take.
 //!
 //! If a caller goes away, the [`Budget`] of the computation is cancelled. The computation then ends at its
 //! next check of the budget. If the process is short of memory, the oldest computation is stopped in the same
@@ -36,8 +36,8 @@ use toolpathd_core::parallel::Helpers;
 /// it may notice the deadline this much later.
 const DEADLINE_SLACK: Duration = Duration::from_millis(500);
 
-/// Time between two measurements of the memory of the process while a computation runs. A fast computation takes
-/// some ten MiB in this time.
+/// Time between two measurements of the memory of the process while a computation runs. A fast computation
+/// takes some ten MiB in this time.
 const MEMORY_INTERVAL: Duration = Duration::from_millis(10);
 
 /// Why a computation gave no result.

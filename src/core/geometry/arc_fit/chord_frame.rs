@@ -154,9 +154,9 @@ impl ChordFrame {
         beside.hypot(above_a.max(above_b) + rise * ahead)
     }
 
-    /// As [`ChordArc::half_width`] for a helix, as a lower bound on both sides of the foot. Let s be the slope of
-    /// the helix, a the height of the point over the foot, and b its distance beside the foot. A place d
-    /// farther on is at most sqrt(b^2 + (a + s d)^2 + d^2) away.
+    /// As [`ChordArc::half_width`] for a helix, as a lower bound on both sides of the foot. Let s be the
+    /// slope of the helix, a the height of the point over the foot, and b its distance beside the foot. A
+    /// place d farther on is at most sqrt(b^2 + (a + s d)^2 + d^2) away.
     fn half_width_of_helix(&self, arc: &ChordArc, foot: &Foot, height: f64, tolerance: f64) -> f64 {
         let length = arc.radius * arc.sweep;
         let slope = self.rise.abs() / length;

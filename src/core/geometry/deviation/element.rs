@@ -174,7 +174,8 @@ impl Element {
     }
 }
 
-/// The foot on a parabola, by Newton's method on the squared distance, and how far the point lies ahead of it.
+/// The foot on a parabola, by Newton's method on the squared distance, and how far the point lies ahead of
+/// it.
 fn parabola_foot([start, control, end]: [Point2<f64>; 3], p: Point2<f64>, near: f64) -> (Foot, f64) {
     let (first, second) = (2.0 * (control - start), (start - control) + (end - control));
     let at = |u: f64| start + first * u + second * (u * u);

@@ -126,9 +126,9 @@ impl Spheroid {
 
     /// Whether a part is proved to be clear of the body, or of its cylinder, during the whole move.
     ///
-    /// The body's centre follows a chord of half length m. Take a point at the distance d from the line of the
-    /// chord, and let x be its coordinate along this line, from the middle of the chord. For every k >= 0 its
-    /// squared distance from the chord is at least
+    /// The body's centre follows a chord of half length m. Take a point at the distance d from the line of
+    /// the chord, and let x be its coordinate along this line, from the middle of the chord. For every k >= 0
+    /// its squared distance from the chord is at least
     ///
     /// d^2 + x^2 k / (1 + k) - k m^2.
     ///

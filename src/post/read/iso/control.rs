@@ -1,7 +1,7 @@
 //! The words that differ between controls of ISO words, as the reader knows them.
 //!
-//! The facts are those of the controls' manuals. None is taken from the [`Dialect`](crate::Dialect), which the
-//! writer writes from: a wrong word there is refused here.
+//! The facts are those of the controls' manuals. None is taken from the [`Dialect`](crate::Dialect), which
+//! the writer writes from: a wrong word there is refused here.
 
 /// What a control makes of its words. G codes are in tenths.
 #[derive(Debug, Clone, Copy)]
@@ -20,8 +20,8 @@ pub struct Control {
     pub length_offset: Option<i32>,
     /// The code whose H word is the number of a work offset.
     pub work_offset: Option<i32>,
-    /// The codes, each with an H word, after which coordinates are those of the tip: with angles of the rotary
-    /// axes, and with vectors of the tool axis.
+    /// The codes, each with an H word, after which coordinates are those of the tip: with angles of the
+    /// rotary axes, and with vectors of the tool axis.
     pub angles: Option<i32>,
     pub vectors: Option<i32>,
 }

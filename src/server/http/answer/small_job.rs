@@ -1,7 +1,8 @@
 //! Which jobs are small: half a second of work at most, by an estimate that costs microseconds.
 //!
-//! A small job may take the worker that is kept for small jobs, so an estimate that is far too low makes other
-//! small jobs wait, and one that is too high makes this job wait for large ones. Neither changes an answer.
+//! A small job may take the worker that is kept for small jobs, so an estimate that is far too low makes
+//! other small jobs wait, and one that is too high makes this job wait for large ones. Neither changes an
+//! answer.
 
 use nalgebra::Point3;
 use toolpathd_core::geometry::surface::source::Source;
@@ -126,8 +127,8 @@ impl Extent {
     }
 }
 
-/// The extent of a surface whose data are points. `None` for swept and ruled surfaces: their patches are known
-/// only when they are made.
+/// The extent of a surface whose data are points. `None` for swept and ruled surfaces: their patches are
+/// known only when they are made.
 fn extent(source: &Source) -> Option<Extent> {
     let of = |rows: usize, columns: usize, points: &mut dyn Iterator<Item = &Point3<f64>>| {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);

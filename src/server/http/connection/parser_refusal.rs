@@ -1,9 +1,9 @@
 //! Adds a problem document to the answer if the HTTP parser refuses a request.
 //!
-//! hyper's parser refuses a request whose head it cannot read, or whose head is too large. No other code of the
-//! service sees such a request: hyper itself writes a status without a body, and closes the connection. hyper
-//! has no hook for this answer. It stays because the contract promises a problem with every failure, and a path
-//! or a header that is too long is a likely mistake.
+//! hyper's parser refuses a request whose head it cannot read, or whose head is too large. No other code of
+//! the service sees such a request: hyper itself writes a status without a body, and closes the connection.
+//! hyper has no hook for this answer. It stays because the contract promises a problem with every failure,
+//! and a path or a header that is too long is a likely mistake.
 
 use axum::body::{Bytes, to_bytes};
 use axum::http::response::Parts;

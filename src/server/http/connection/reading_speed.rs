@@ -1,9 +1,9 @@
 //! How fast a caller reads an answer. An answer goes out in pieces, and the next piece is made when the
-//! connection has room for it. So a caller that does not read is one for whom a piece waits too long. An answer
-//! keeps its memory until its last piece is written.
+//! connection has room for it. So a caller that does not read is one for whom a piece waits too long. An
+//! answer keeps its memory until its last piece is written.
 //!
-//! hyper bounds neither: over HTTP/2 a caller can keep an answer waiting on a healthy connection. Answers that
-//! nobody reads would fill the memory for answers, and all other callers would get 503.
+//! hyper bounds neither: over HTTP/2 a caller can keep an answer waiting on a healthy connection. Answers
+//! that nobody reads would fill the memory for answers, and all other callers would get 503.
 
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

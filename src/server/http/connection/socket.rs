@@ -1,7 +1,7 @@
 //! The socket of one connection, for two users: hyper reads and writes it, and [`Socket::until_gone`] watches
-//! whether the caller is still there. A caller that has gone must not keep a worker busy; hyper alone stops the
-//! handler of such a caller only when no byte follows its request, and then also stops the handler of a caller
-//! that has only ended its own direction.
+//! whether the caller is still there. A caller that has gone must not keep a worker busy; hyper alone stops
+//! the handler of such a caller only when no byte follows its request, and then also stops the handler of a
+//! caller that has only ended its own direction.
 //!
 //! # Method
 //! hyper notices the end of a connection only when it has read all bytes before the end, and it reads no

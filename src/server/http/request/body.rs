@@ -21,8 +21,8 @@ use crate::http::error::{ApiError, Code};
 /// not the `Content-Length` that the caller announces.
 const FIRST_BYTES: usize = 16 * 1024;
 
-/// Most bytes of a body that is decoded before its job has a worker, to see whether the job is small. Decoding
-/// as many bytes takes some milliseconds. A job that needs more data is seldom small.
+/// Most bytes of a body that is decoded before its job has a worker, to see whether the job is small.
+/// Decoding as many bytes takes some milliseconds. A job that needs more data is seldom small.
 const SHORT_BYTES: usize = 256 * 1024;
 
 /// A body that was read, with its content coding.

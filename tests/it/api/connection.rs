@@ -85,13 +85,16 @@ async fn a_full_queue_and_a_long_wait_are_503_and_a_passed_deadline_504() {
 
     let deaf = spawn_on(&app, |_| std::thread::sleep(Duration::from_secs(1)));
     tokio::time::sleep(Duration::from_millis(50)).await;
-    let waited = post_to(&app, MILL, ONE_PASS, &[]).await;
-    assert_eq!((waited.status.as_u16(), waited.code().as_str()), (503, "overloaded"));
-    assert!(waited.header("retry-after").parse::<u32>().is_ok());
-    assert_eq!(deaf.await.expect("no panic"), Err(Failure::DeadlinePassed));
-
+    // A small job would not wait for the large one.
     let mut long: serde_json::Value = serde_json::from_str(DIE).expect("JSON");
     long["strategy"]["stepover_mm"] = 0.01.into();
+    let waited = post_to(&app, MILL, long.to_string(), &[]).await;
+    assert_eq!((waited.status.as_u16(), waited.code().as_str()), (503, "overloaded"));
+    assert!(waited.header("retry-after").parse::<u32>().is_ok());
+    let small = post_to(&app, MILL, ONE_PASS, &[]).await;
+    assert_eq!(small.status.as_u16(), 200);
+    assert_eq!(deaf.await.expect("no panic"), Err(Failure::DeadlinePassed));
+
     while app.compute.running() > 0 {
         tokio::time::sleep(Duration::from_millis(10)).await;
     }

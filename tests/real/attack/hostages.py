@@ -1,5 +1,5 @@
-"""Keeps both workers busy with jobs of 20 s. Good: a job of 0.1 s is answered within 1 s all the same, and a
-program that is rewritten as a stream is answered whole.
+"""Keeps both workers busy with jobs of 20 s. Good: a job of 0.1 s is answered within 1 s all the same, also
+while further long jobs wait, and a program that is rewritten as a stream is answered whole.
 """
 
 import contextlib
@@ -26,13 +26,13 @@ def attack():
         # Some short jobs more, while long jobs wait before them.
         with hostage_takers(service, WORKERS + QUEUED):
             behind = short_jobs(service)
-    late = [seconds for seconds in times if seconds > ANSWERED_WITHIN_S]
+    late = [seconds for seconds in times + behind if seconds > ANSWERED_WITHIN_S]
     waiting = f"behind {QUEUED} waiting jobs: {shown(behind)}"
     figures = f"short jobs: {shown(times)}; {waiting}; program: {program_s:.1f} s"
     failures = [program_failure] if program_failure else []
     if late:
         took = f"were not answered within {ANSWERED_WITHIN_S} s"
-        failures.append(f"{len(late)} of {SHORT_JOBS} short jobs {took}")
+        failures.append(f"{len(late)} of {2 * SHORT_JOBS} short jobs {took}")
     return figures, failures
 
 

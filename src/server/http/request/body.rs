@@ -83,7 +83,8 @@ impl<T: IntoJob> JobBody<T> {
     pub fn short_job(&self, limits: &Limits) -> Option<Result<T::Job, ApiError>> {
         let text = match self.body.coding {
             Coding::Identity => self.body.bytes.clone(),
-            Coding::Gzip => gunzip(&self.body.bytes, SHORT_BYTES).ok()?.into(),
+            // A body beyond the limit of bodies is refused by [`Self::job`].
+            Coding::Gzip => gunzip(&self.body.bytes, SHORT_BYTES.min(self.body.limit)).ok()?.into(),
         };
         (text.len() <= SHORT_BYTES).then(|| decode::job::<T>(&text, limits))
     }

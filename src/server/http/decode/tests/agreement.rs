@@ -28,7 +28,8 @@ use crate::http::pointer::Pointer;
 /// The most kinds of a union.
 const MOST_KINDS: usize = 7;
 
-/// The most elements of an array in a body: those of a row of a Bezier patch. More elements of the same type would only take time.
+/// The most elements of an array in a body: those of a row of a Bezier patch. More elements of the same type
+/// would only take time.
 const MOST_ELEMENTS: usize = 4;
 
 /// What a value is replaced by: all types of JSON, and numbers that no or few schemas allow.

@@ -170,7 +170,7 @@ impl Pass<'_> {
         if tuple(array).is_some_and(|(least, most)| !(least..=most).contains(&elements.len())) {
             let contract = self.contract;
             let sent = elements.len();
-            return self.blame(at, FieldCode::WrongLength, || {
+            self.blame(at, FieldCode::WrongLength, || {
                 format!("send {}, not an array of {sent}", contract.expected_array(array))
             });
         }

@@ -145,9 +145,9 @@ fn beside(contour: &[Segment], side: Side, radius: f64) -> Vec<Point2<f64>> {
         for t in [0.1, 0.3, 0.5, 0.7, 0.9] {
             see(element.at(t) + left(element.direction(t)) * (sense * radius), [k, k]);
         }
-        // The sector about the corner, between the normals.
+        // The sector about the corner, between the normals. After half a turn it could lie on either side.
         let (before, after) = (element.direction(1.0), contour[next].direction(0.0));
-        for t in [0.25, 0.5, 0.75].iter().filter(|_| next != k) {
+        for t in [0.25, 0.5, 0.75].iter().filter(|_| next != k && before.dot(&after) > -0.99) {
             let out = left(before.lerp(&after, *t)).normalize() * (sense * radius);
             see(element.end() + out, [k, next]);
         }

@@ -8,7 +8,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::machine::named;
 use toolpathd_core::operations::five_axis::schedule::Limits;
-use toolpathd_core::operations::five_axis::{Job, Method, MotionLimits, plan};
+use toolpathd_core::operations::five_axis::{Job, MotionLimits, plan};
 use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 use toolpathd_core::toolpath::units::FeedRate;
 
@@ -21,22 +21,8 @@ fn job(blocks: usize) -> Job {
         Pose { tip, axis: Unit::new_normalize(axis) }
     };
     let pace = Pace::Feed(FeedRate::from_mm_per_min(3000.0).expect("a feed"));
-    Job {
-        path: (0..=blocks).map(pose).map(|pose| Waypoint { pose, pace }).collect(),
-        rapid_feed: FeedRate::DEFAULT_RAPID,
-        retract_mm: 20.0,
-        rounding_mm: 0.0009,
-        tolerance_mm: 0.005,
-        tolerance_axis: 0.5_f64.to_radians(),
-        swing_mm: 0.0,
-        top_mm: 50.0,
-        method: Method::Interpolating,
-        machine: None,
-        limits: None,
-        period_s: 0.01,
-        sample_limit: 1_000_000,
-        move_limit: 500_000,
-    }
+    let path = (0..=blocks).map(pose).map(|pose| Waypoint { pose, pace }).collect();
+    Job { rounding_mm: 0.0009, period_s: 0.01, ..Job::new(path, 0.005, 0.5_f64.to_radians()) }
 }
 
 fn limits() -> MotionLimits {

@@ -10,12 +10,7 @@ use nalgebra::Point2;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::height_field::HeightGrid;
 use toolpathd_core::geometry::segment::Segment;
-use toolpathd_core::operations::pocketing::{
-    ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, Relief, plan,
-};
-use toolpathd_core::toolpath::cutting::CuttingRequest;
-use toolpathd_core::toolpath::program::{Resolution, Units};
-use toolpathd_core::toolpath::quantize::Curves;
+use toolpathd_core::operations::pocketing::{Job, Outlines, Pattern, Relief, plan};
 use toolpathd_core::toolpath::tool::{Shape, Tool};
 use toolpathd_core::toolpath::units::FeedRate;
 
@@ -31,32 +26,8 @@ fn rectangle(x: f64, y: f64, width: f64, height: f64) -> Vec<Segment> {
 /// A job for a cutter of 10 mm with a stepover of 3 mm.
 fn job(area: Outlines, pattern: Pattern) -> Job {
     let feed = FeedRate::from_mm_per_min(800.0).unwrap();
-    Job {
-        area: Some(area),
-        relief: None,
-        islands_by: IslandsBy::Slicing,
-        cleared: Vec::new(),
-        move_limit: 500_000,
-        comparison_limit: 400_000_000,
-        top_z_mm: Some(0.0),
-        floor_z_mm: -5.0,
-        stepdown_max_mm: 5.0,
-        roughing_allowance_mm: None,
-        tool: Tool { shape: Shape::Flat, ..Tool::ball(5.0) },
-        stepover_mm: 3.0,
-        patterns: vec![pattern],
-        choose_by: ChooseBy::Time,
-        entry: EntryLimits {
-            max_diameter_mm: 9.0,
-            min_diameter_mm: 2.5,
-            ramp_angle: 5f64.to_radians(),
-            plunge: true,
-        },
-        milling: Milling::Climb,
-        cutting: CuttingRequest::at_feed(feed),
-        resolution: Resolution { units: Units::Mm, decimals: 3 },
-        curves: Curves::ARCS,
-    }
+    let tool = Tool { shape: Shape::Flat, ..Tool::ball(5.0) };
+    Job { patterns: vec![pattern], ..Job::new(area, -5.0, tool, 3.0, feed) }
 }
 
 fn run(c: &mut Criterion, group: &str, sizes: &[usize], area: impl Fn(usize) -> Outlines) {

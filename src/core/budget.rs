@@ -31,6 +31,20 @@ pub trait ProgressSink: Send + Sync {
 }
 
 /// The limits of one computation. Cheap to clone; clones are stopped together and share the helpers.
+///
+/// # Example
+/// ```
+/// use std::time::{Duration, Instant};
+/// use toolpathd_core::budget::{Budget, Stopped};
+///
+/// let budget = Budget::unlimited().with_deadline(Instant::now() + Duration::from_secs(3600));
+/// assert_eq!(budget.check(), Ok(()));
+///
+/// // Another thread stops the computation at its next check.
+/// let clone = budget.clone();
+/// std::thread::spawn(move || clone.cancel()).join().unwrap();
+/// assert_eq!(budget.check(), Err(Stopped::Cancelled));
+/// ```
 #[derive(Clone, Default)]
 pub struct Budget {
     stopped: Arc<OnceLock<Stopped>>,

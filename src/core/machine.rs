@@ -121,6 +121,25 @@ const LARGEST_ANGLE: f64 = 1e5;
 const LINEAR: [char; 3] = ['X', 'Y', 'Z'];
 
 /// A machine with three linear and two rotary axes.
+///
+/// # Example
+/// A table that turns about X brings a tool axis that leans 30 degrees in the plane of y and z upright.
+///
+/// ```
+/// use nalgebra::{Point3, UnitVector3, Vector3};
+/// use toolpathd_core::machine::{Inverse, named};
+/// use toolpathd_core::toolpath::pose::Pose;
+///
+/// let machine = named::by_name("table_table_ac").unwrap();
+/// let lean = 30_f64.to_radians();
+/// let axis = UnitVector3::new_normalize(Vector3::new(0.0, lean.sin(), lean.cos()));
+/// let pose = Pose { tip: Point3::new(10.0, 20.0, 30.0), axis };
+/// let Inverse::Two(both) = machine.inverse(&pose) else { panic!("two ways to lean the table") };
+/// for positions in both {
+///     assert!((positions.rotary[0].abs() - lean).abs() < 1e-12);
+///     assert!((machine.forward(&positions).tip - pose.tip).norm() < 1e-10);
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
     name: String,

@@ -236,6 +236,23 @@ pub struct Fitted {
 ///
 /// # Errors
 /// When the budget runs out.
+///
+/// # Example
+/// Points of half a circle become one arc.
+///
+/// ```
+/// use std::f64::consts::PI;
+/// use nalgebra::Vector2;
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::geometry::arc_fit::{Fit, Points, fit};
+///
+/// let at = |k: u8| f64::from(k) * PI / 100.0;
+/// let circle: Vec<_> = (0..=100).map(at).map(|t| Vector2::new(t.cos(), t.sin()) * 10.0).collect();
+/// let points = Points { flat: &circle, heights: &[] };
+/// let fitted = fit(points, &Fit::within(0.001), &Budget::unlimited()).unwrap();
+/// assert_eq!(fitted.elements.len(), 1);
+/// assert!((fitted.elements[0].to().coords - circle[100]).norm() <= 0.001);
+/// ```
 pub fn fit(points: Points, request: &Fit, budget: &Budget) -> Result<Fitted, Stopped> {
     let rule = request.rule();
     let flat = points.flat;

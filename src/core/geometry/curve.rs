@@ -1,4 +1,21 @@
 //! Curves that a tool follows in one motion: a line, an arc, a helix, or a part of a parabola.
+//!
+//! # Example
+//! A quarter turn of a helix: radius 5 mm, 2 mm up.
+//!
+//! ```
+//! use std::f64::consts::PI;
+//! use nalgebra::Point3;
+//! use toolpathd_core::geometry::curve::{Arc, Curve, Direction};
+//! use toolpathd_core::geometry::plane::Plane;
+//!
+//! let [start, end] = [Point3::new(5.0, 0.0, 0.0), Point3::new(0.0, 5.0, 2.0)];
+//! let helix = Curve::Arc(Arc::new(Plane::Xy, Direction::Ccw, start, end, Point3::origin()).unwrap());
+//! assert!((helix.length() - f64::hypot(2.5 * PI, 2.0)).abs() < 1e-12);
+//!
+//! let middle = helix.point_at(0.5);
+//! assert!((middle - Point3::new(12.5_f64.sqrt(), 12.5_f64.sqrt(), 1.0)).norm() < 1e-12);
+//! ```
 
 pub mod arc;
 pub mod line;

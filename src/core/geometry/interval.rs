@@ -19,6 +19,21 @@ pub mod elementary;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// All numbers from `lo` to `hi`; the ends may be infinite.
+///
+/// # Example
+/// ```
+/// use toolpathd_core::geometry::interval::Interval;
+///
+/// // Ten times the number nearest to 0.1 is not 1, but an interval around 1/10 keeps the exact sum.
+/// let tenth = Interval::ONE.div(Interval::point(10.0));
+/// let sum = (0..10).fold(Interval::ZERO, |sum, _| sum + tenth);
+/// assert!(sum.contains(1.0) && sum.width() < 1e-14);
+/// assert_ne!((0..10).map(|_| 0.1).sum::<f64>(), 1.0);
+///
+/// // x * x does not know that both factors are the same number; `sqr` does.
+/// let x = Interval::between(-1.0, 2.0);
+/// assert!((x * x).contains(-2.0) && !x.sqr().contains(-0.1));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     lo: f64,

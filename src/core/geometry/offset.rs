@@ -92,6 +92,24 @@ pub enum OffsetError {
 ///
 /// # Errors
 /// One of [`OffsetError`].
+///
+/// # Example
+/// Outside a corner, the offset is two lines and a quarter of a circle about the corner.
+///
+/// ```
+/// use std::f64::consts::PI;
+/// use nalgebra::Point2;
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::geometry::offset::{Side, offset};
+/// use toolpathd_core::geometry::segment::Segment;
+///
+/// let [start, corner, end] = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]].map(Point2::from);
+/// let contour = [Segment::Line { start, end: corner }, Segment::Line { start: corner, end }];
+/// let chains = offset(&[&contour], Side::Right, 2.0, 0.0, &Budget::unlimited()).unwrap();
+/// assert_eq!((chains.len(), chains[0].len()), (1, 3));
+/// let length: f64 = chains[0].iter().map(Segment::length).sum();
+/// assert!((length - (10.0 + PI + 10.0)).abs() < 1e-9);
+/// ```
 pub fn offset(
     contours: &[&[Segment]],
     side: Side,

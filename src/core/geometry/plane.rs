@@ -4,6 +4,17 @@
 use nalgebra::{Point3, Vector3};
 
 /// The plane of an arc: `xy` (G17), `zx` (G18) or `yz` (G19).
+///
+/// # Example
+/// ```
+/// use nalgebra::{Point3, Vector3};
+/// use toolpathd_core::geometry::plane::Plane;
+///
+/// let p = Point3::new(1.0, 2.0, 3.0);
+/// let local = Plane::Zx.to_local(&p);
+/// assert_eq!(local, Vector3::new(3.0, 1.0, 2.0));
+/// assert_eq!(Plane::Zx.to_workpiece(&local), p);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
 #[cfg_attr(feature = "wire", serde(rename_all = "snake_case"), schema(as = ArcPlane))]

@@ -59,6 +59,27 @@ pub struct Face {
 }
 
 /// A part of the plane bounded by lines and arcs.
+///
+/// # Example
+/// A square of 10 mm grows by 2 mm on all sides.
+///
+/// ```
+/// use std::f64::consts::PI;
+/// use nalgebra::Point2;
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::geometry::region::{Outline, Region};
+/// use toolpathd_core::geometry::segment::Segment;
+///
+/// let corner = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]].map(Point2::from);
+/// let sides = [0, 1, 2, 3].map(|k| Segment::Line { start: corner[k], end: corner[(k + 1) % 4] });
+/// let budget = Budget::unlimited();
+/// let square = Region::new(&[Outline::new(&sides, &budget).unwrap()], &[], &budget).unwrap();
+/// let grown = square.offset_outward(2.0, &budget).unwrap();
+/// // The square, a strip along each side, and a quarter of a circle about each corner.
+/// assert!((grown.area() - (100.0 + 4.0 * 20.0 + 4.0 * PI)).abs() < 1e-3);
+/// let rim = grown.difference(&square, &budget).unwrap();
+/// assert_eq!((rim.faces().len(), rim.faces()[0].islands.len()), (1, 1));
+/// ```
 #[derive(Debug, Clone)]
 pub struct Region {
     faces: Vec<Face>,

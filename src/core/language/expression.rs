@@ -55,6 +55,21 @@ pub const LONGEST_TEXT: usize = 10_000;
 pub const DEEPEST_NESTING: usize = 200;
 
 /// A function of x.
+///
+/// # Example
+/// ```
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::language::expression::Expression;
+///
+/// let parabola = Expression::parse("x^2 - 2*x").unwrap();
+/// assert_eq!(parabola.value_and_derivative(3.0), [3.0, 4.0]);
+/// let bounds = parabola.examine([0.0, 3.0], &Budget::unlimited()).unwrap();
+/// assert!(bounds.contains(-1.0) && bounds.contains(3.0) && bounds.width() < 4.01);
+///
+/// // A product needs its sign, and a logarithm has no value at zero.
+/// assert!(Expression::parse("2x").is_err());
+/// assert!(Expression::parse("ln(x)").unwrap().examine([0.0, 1.0], &Budget::unlimited()).is_err());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expression {
     tape: Tape,

@@ -108,6 +108,24 @@ pub enum Fault {
 }
 
 /// A section curve, in the plane or in space.
+///
+/// # Example
+/// Two lines at a right angle, with a corner of radius 2 mm.
+///
+/// ```
+/// use std::f64::consts::PI;
+/// use toolpathd_core::geometry::plane_curve::PlaneCurve;
+/// use toolpathd_core::language::section_curve::SectionCurve;
+///
+/// let curve = SectionCurve::parse("l(0,0) r(10,0,2) l(10,10)").unwrap();
+/// let SectionCurve::Plane(chain) = curve else { panic!("the points have two coordinates") };
+/// let curve = chain.curve().unwrap();
+/// // The lines lose 2 mm each, and the arc is a quarter of a circle.
+/// let lengths = [curve.breaks()[0], curve.breaks()[1], curve.domain()[1]];
+/// assert!((lengths[0] - 8.0).abs() < 1e-12);
+/// assert!((lengths[1] - (8.0 + PI)).abs() < 1e-12);
+/// assert!((lengths[2] - (8.0 + PI + 8.0)).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum SectionCurve {
     Plane(Chain<2>),

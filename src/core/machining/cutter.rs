@@ -13,6 +13,18 @@
 use nalgebra::{Matrix2, Vector2};
 
 /// A cutter; all lengths are in mm.
+///
+/// # Example
+/// ```
+/// use toolpathd_core::machining::cutter::Cutter;
+///
+/// let ball = Cutter::ball(5.0);
+/// assert_eq!((ball.height(3.0), ball.slope(3.0)), (1.0, 0.75));
+///
+/// // A flat of radius 3 mm inside an edge rounded with 2 mm.
+/// let bull_nose = Cutter::bull_nose(5.0, 2.0);
+/// assert_eq!([3.0, 5.0, 6.0].map(|distance| bull_nose.height(distance)), [0.0, 2.0, f64::INFINITY]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cutter {
     /// Radius of the flat.

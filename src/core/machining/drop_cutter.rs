@@ -80,6 +80,26 @@ const ROLLING: f64 = 1e-9;
 ///
 /// With the axis at `a` in plan, the lift of a surface point P is P_z - h(|P - a|). Here h(d) is the height
 /// of the cutter's lower side over the tip, at the distance d from the axis.
+///
+/// # Example
+/// On a plane that rises 1 mm in 2 mm, the tip of a ball is higher than the plane below it.
+///
+/// ```
+/// use nalgebra::{Point3, Vector2};
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+/// use toolpathd_core::machining::cutter::Cutter;
+/// use toolpathd_core::machining::drop_cutter::Contacts;
+///
+/// let points = [0.0, 40.0].map(|x| [0.0, 40.0].map(|y| Point3::new(x, y, x / 2.0)).to_vec()).to_vec();
+/// let plane = PointGrid { points, twist: Twist::Spline, ends: Ends::Usual }.surface().unwrap();
+/// let budget = Budget::unlimited();
+/// let contacts = Contacts::new(&plane, Cutter::ball(5.0), &budget).unwrap();
+/// let contact = contacts.drop(Vector2::new(20.0, 20.0), None, &budget).unwrap().unwrap();
+/// let height = 10.0 + 5.0 * (1.25_f64.sqrt() - 1.0);
+/// assert!((contact.tip - Point3::new(20.0, 20.0, height)).norm() < 1e-9);
+/// assert_eq!(contacts.drop(Vector2::new(-6.0, 20.0), None, &budget).unwrap(), None);
+/// ```
 pub struct Contacts<'a, P> {
     surface: &'a BezierSurface<P>,
     cutter: Cutter,

@@ -96,6 +96,28 @@ pub enum WireError {
 ///
 /// # Errors
 /// One of [`WireError`].
+///
+/// # Example
+/// ```
+/// use nalgebra::Point3;
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+/// use toolpathd_core::machining::wire_model::{Along, WireJob, wires};
+///
+/// let points = [0.0, 30.0].map(|x| [0.0, 40.0].map(|y| Point3::new(x, y, 0.0)).to_vec()).to_vec();
+/// let plane = PointGrid { points, twist: Twist::Spline, ends: Ends::Usual }.surface().unwrap();
+/// let job = WireJob {
+///     along: Along::U,
+///     pitch_mm: 9.0,
+///     chord_height_mm: 0.01,
+///     wire_limit: 100,
+///     point_limit: 1000,
+/// };
+/// // 40 mm take five steps of 8 mm.
+/// let wires = wires(&plane, &job, &Budget::unlimited()).unwrap();
+/// assert_eq!(wires.len(), 6);
+/// assert!((wires[1][0] - Point3::new(0.0, 8.0, 0.0)).norm() < 1e-9);
+/// ```
 pub fn wires(
     surface: &BezierSurface<impl Patch>,
     job: &WireJob,

@@ -153,6 +153,25 @@ impl From<FitError> for Error {
 ///
 /// # Errors
 /// One of [`Error`]; no toolpath is returned with one.
+///
+/// # Example
+/// Points of a closed circle of radius 10 mm become one arc.
+///
+/// ```
+/// use std::f64::consts::TAU;
+/// use nalgebra::Point3;
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::operations::arc_fitting::{Job, plan};
+///
+/// let angles = (0..100).map(|k| TAU * f64::from(k) / 100.0);
+/// let points = angles.map(|t| Point3::new(10.0 * t.cos(), 10.0 * t.sin(), 0.0)).collect();
+/// let mut job = Job::new(points, 0.001);
+/// job.fit.is_closed = true;
+/// let report = plan(&job, &Budget::unlimited()).unwrap().report;
+/// assert_eq!((report.n_lines, report.n_arcs), (0, 1));
+/// assert!((report.length_mm - 10.0 * TAU).abs() <= 0.001 * TAU);
+/// assert!(report.deviation_max_mm <= 0.001);
+/// ```
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     let mut points = job.points.clone();
     if job.fit.is_closed && points.first() != points.last() {

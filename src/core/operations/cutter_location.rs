@@ -88,6 +88,27 @@ pub enum Error {
 ///
 /// # Errors
 /// When the data make no surface, or the budget stops.
+///
+/// # Example
+/// On a plane that rises 1 mm in 2 mm, a flat end of radius 5 mm touches with its rim.
+///
+/// ```
+/// use nalgebra::{Point2, Point3};
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+/// use toolpathd_core::geometry::surface::source::Source;
+/// use toolpathd_core::operations::cutter_location::{Job, locate};
+/// use toolpathd_core::toolpath::tool::{Shape, Tool};
+///
+/// let points = [0.0, 40.0].map(|x| [0.0, 40.0].map(|y| Point3::new(x, y, x / 2.0)).to_vec()).to_vec();
+/// let grid = PointGrid { points, twist: Twist::Spline, ends: Ends::Usual };
+/// let surface = Source::PointGrid(grid);
+/// let tool = Tool { shape: Shape::Flat, ..Tool::ball(5.0) };
+/// let job = Job { surface, tool, points: vec![Point2::new(20.0, 20.0)] };
+/// let location = locate(&job, &Budget::unlimited()).unwrap()[0].unwrap();
+/// assert!((location.tip - Point3::new(20.0, 20.0, 12.5)).norm() < 1e-9);
+/// assert!((location.contact - Point3::new(25.0, 20.0, 12.5)).norm() < 1e-6);
+/// ```
 pub fn locate(job: &Job, budget: &Budget) -> Result<Vec<Option<Location>>, Error> {
     match job.surface.surface()? {
         AnySurface::Bicubic(surface) => locate_on(&surface, job, budget),

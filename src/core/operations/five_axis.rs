@@ -34,6 +34,7 @@ mod blend;
 mod deviation;
 mod drive;
 pub mod history;
+mod job;
 mod linear;
 mod motion;
 mod moves;
@@ -52,13 +53,13 @@ mod tube;
 use nalgebra::{Point3, Vector3};
 
 use crate::budget::{Budget, Stopped};
-use crate::machine::{FollowError, Joints, Machine};
-use crate::toolpath::pose::{Pace, Pose, Waypoint};
-use crate::toolpath::units::FeedRate;
+use crate::machine::{FollowError, Joints};
+use crate::toolpath::pose::{Pace, Pose};
 use crate::toolpath::{PathError, Toolpath};
 use deviation::Deviation;
 pub use drive::MotionLimits;
 use drive::{Drive, DrivenSample};
+pub use job::{DEFAULT_PERIOD_S, DEFAULT_RETRACT_MM, DEFAULT_TOP_MM, Job, Method};
 pub use motion::Peaks;
 use motion::{ConstantFeed, peaks};
 pub use moves::CHORDS;
@@ -68,67 +69,6 @@ use rail::{Rail, Source};
 pub use report::{AxisPeaks, Continuity, Report, Warning};
 use schedule::ScheduleError;
 use stations::{follow, pose};
-
-/// The part of the tolerance of the cut that turns of the axis may use.
-const SHARE_OF_AXIS: f64 = 0.25;
-
-/// A way to smooth a path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
-#[cfg_attr(feature = "wire", schema(as = SmoothMethod))]
-pub enum Method {
-    /// Splines through all poses with two continuous derivatives, and blends at corners.
-    #[default]
-    Interpolating,
-    /// Splines of few pieces and of the least jerk within the tolerances, with four continuous derivatives,
-    /// and blends at corners. For data with noise, and for rounded data.
-    Tube,
-    /// The method of Ahn and Jee, as printed but for its misprints. It may leave the tolerances.
-    Paper,
-    /// The given path, with a stop at every pose.
-    Linear,
-}
-
-#[derive(Debug, Clone)]
-pub struct Job {
-    pub path: Vec<Waypoint>,
-    /// The pace of rapids.
-    pub rapid_feed: FeedRate,
-    pub tolerance_mm: f64,
-    /// Radians.
-    pub tolerance_axis: f64,
-    /// How far a turn of the tool about its tip moves the cut surface, mm per radian. With 0, `tolerance_mm`
-    /// holds for the tip alone.
-    pub swing_mm: f64,
-    /// The distance from the tip to the top, mm: the second rail.
-    pub top_mm: f64,
-    pub method: Method,
-    /// The machine whose axes are to move; none for the tool alone.
-    pub machine: Option<Machine>,
-    /// The limits of the axes. Without limits the feed is constant, and nothing accelerates.
-    pub limits: Option<MotionLimits>,
-    pub period_s: f64,
-    /// The most samples.
-    pub sample_limit: usize,
-    /// The most moves.
-    pub move_limit: usize,
-    /// The way along the tool axis to the first pose, and away from the last pose, mm. There is none where
-    /// the first pose is reached by a rapid, and where the path ends with a rapid.
-    pub retract_mm: f64,
-    /// What writing a program moves the tip, mm: rounding, and straying between blocks. Blends at corners
-    /// leave it room.
-    pub rounding_mm: f64,
-}
-
-impl Job {
-    /// The tolerances of tip and axis. What a turn moves the cut is taken from the tolerance of the tip.
-    fn tolerance(&self) -> Deviation {
-        let turns = self.path.windows(2).any(|pair| pair[0].pose.axis != pair[1].pose.axis);
-        let swing_mm = if turns { self.swing_mm } else { 0.0 };
-        let axis = self.tolerance_axis.min(SHARE_OF_AXIS * self.tolerance_mm / swing_mm);
-        Deviation { tip_mm: self.tolerance_mm - swing_mm * axis, axis }
-    }
-}
 
 /// The tool at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -184,6 +124,29 @@ struct Rails {
 ///
 /// # Errors
 /// One of [`FiveAxisError`].
+///
+/// # Example
+/// The tip runs 100 mm straight on at 3,000 mm/min while the axis leans to 30 degrees.
+///
+/// ```
+/// use nalgebra::{Point3, UnitVector3, Vector3};
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::operations::five_axis::{Job, plan};
+/// use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
+/// use toolpathd_core::toolpath::units::FeedRate;
+///
+/// let pace = Pace::Feed(FeedRate::from_mm_per_min(3000.0).unwrap());
+/// let pose = |part: f64| {
+///     let lean = part * 30_f64.to_radians();
+///     let axis = UnitVector3::new_normalize(Vector3::new(lean.sin(), 0.0, lean.cos()));
+///     Pose { tip: Point3::new(100.0 * part, 0.0, 0.0), axis }
+/// };
+/// let path = (0..=10).map(|k| Waypoint { pose: pose(f64::from(k) / 10.0), pace }).collect();
+/// let plan = plan(&Job::new(path, 0.01, 0.1_f64.to_radians()), &Budget::unlimited()).unwrap();
+/// assert!(plan.report.within_tolerance);
+/// assert!((plan.report.length_mm - 100.0).abs() < 0.01 && (plan.report.cycle_time_s - 2.0).abs() < 0.01);
+/// assert!((plan.samples.last().unwrap().pose.tip - pose(1.0).tip).norm() < 1e-9);
+/// ```
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
     let path = Path::new(&job.path, job.top_mm)?;
     let rails = rails(job, &path, budget)?;

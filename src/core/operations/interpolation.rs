@@ -182,6 +182,24 @@ pub enum Error {
 ///
 /// # Errors
 /// One of [`Error`]; no toolpath is returned with one.
+///
+/// # Example
+/// The chord of y = x^2 / 100 over a width of w mm lies at most w^2 / 400 mm above the curve. So with
+/// 0.0101 mm, a line can be 2.009 mm wide, and 100 mm need 50 lines.
+///
+/// ```
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::geometry::deviation::{Band, Measure};
+/// use toolpathd_core::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
+///
+/// let curve = Source::Graph { expression: "x^2/100".to_owned(), domain: [0.0, 100.0] };
+/// let band = Band { below_mm: 0.0, above_mm: 0.0101, measure: Measure::Vertical };
+/// let job = Job::new(curve, Method::Linear, Subdivision::Least(Joints::OnCurve), band);
+/// let plan = plan(&job, &Budget::unlimited()).unwrap();
+/// assert_eq!(plan.report.elements.len(), 50);
+/// assert_eq!(plan.report.n_elements_lower_bound, Some(50));
+/// assert!(plan.report.deviation_max_mm <= 0.0101);
+/// ```
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     if matches!(job.subdivision, Subdivision::Least(Joints::InBand)) && job.method != Method::Linear {
         return Err(Error::JointsInBand);

@@ -164,6 +164,29 @@ impl From<RegionError> for PocketError {
 ///
 /// # Errors
 /// One of [`PocketError`].
+///
+/// # Example
+/// A cutter of radius 5 mm clears a rectangular pocket, except for its four corners.
+///
+/// ```
+/// use std::f64::consts::PI;
+/// use nalgebra::Point2;
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::geometry::segment::Segment;
+/// use toolpathd_core::operations::pocketing::{Job, Outlines, plan};
+/// use toolpathd_core::toolpath::tool::{Shape, Tool};
+/// use toolpathd_core::toolpath::units::FeedRate;
+///
+/// let corner = [[0.0, 0.0], [60.0, 0.0], [60.0, 40.0], [0.0, 40.0]].map(Point2::from);
+/// let side = |k: usize| Segment::Line { start: corner[k], end: corner[(k + 1) % 4] };
+/// let area = Outlines { boundary: (0..4).map(side).collect(), islands: Vec::new() };
+/// let tool = Tool { shape: Shape::Flat, ..Tool::ball(5.0) };
+/// let job = Job::new(area, -4.0, tool, 3.0, FeedRate::from_mm_per_min(800.0).unwrap());
+/// let report = plan(&job, &Budget::unlimited()).unwrap().report;
+/// // In each corner a square of 5 mm stays, without a quarter of a circle.
+/// assert!((report.uncut_area_mm2 - 4.0 * 25.0 * (1.0 - PI / 4.0)).abs() < 0.01);
+/// assert!(report.gouge_max_mm < 0.001);
+/// ```
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
     let (heights, shapes, levels) = levels(job, budget)?;
     let cutting = job.cutting.above(heights.highest_mm)?;

@@ -231,6 +231,31 @@ impl From<SectionError> for Error {
 ///
 /// # Errors
 /// One of [`Error`]; no toolpath is returned with one.
+///
+/// # Example
+/// On a level plane, passes of a ball of radius 5 mm leave scallops of at most 0.01 mm if they are at most
+/// 2 sqrt(2 * 5 * 0.01 - 0.01^2) mm apart.
+///
+/// ```
+/// use nalgebra::Point3;
+/// use toolpathd_core::budget::Budget;
+/// use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+/// use toolpathd_core::geometry::surface::source::Source;
+/// use toolpathd_core::operations::surface_milling::{Job, Spacing, plan};
+/// use toolpathd_core::toolpath::tool::Tool;
+/// use toolpathd_core::toolpath::units::{FeedRate, Tolerance};
+///
+/// let points = [0.0, 20.0].map(|x| [0.0, 20.0].map(|y| Point3::new(x, y, 0.0)).to_vec()).to_vec();
+/// let grid = PointGrid { points, twist: Twist::Spline, ends: Ends::Usual };
+/// let surface = Source::PointGrid(grid);
+/// let tolerance = Tolerance::from_mm(0.01).unwrap();
+/// let feed = FeedRate::from_mm_per_min(1000.0).unwrap();
+/// let spacing = Spacing::ScallopHeight(0.01);
+/// let job = Job { spacing, ..Job::new(surface, Tool::ball(5.0), 1.0, tolerance, feed) };
+/// let report = plan(&job, &Budget::unlimited()).unwrap().report;
+/// assert!(report.stepover_mm <= 2.0 * (0.1_f64 - 0.0001).sqrt());
+/// assert!(report.scallop_max_mm.unwrap() <= 0.01);
+/// ```
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     let step_mm = job.resolution.step_mm();
     let least_mm = LEAST_TOLERANCE_STEPS * step_mm;

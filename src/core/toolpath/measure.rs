@@ -86,6 +86,21 @@ pub fn measure_on(toolpath: &Toolpath, cutting: Option<&Cutting>) -> Measures {
 }
 
 /// Measures `toolpath` on a machine that traverses at `rapid_feed`, without the time with acceleration.
+///
+/// # Example
+/// ```
+/// use nalgebra::Point3;
+/// use toolpathd_core::toolpath::{Role, Toolpath, measure::measure, units::FeedRate};
+///
+/// let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, 12.0));
+/// builder.rapid(Point3::new(0.0, 0.0, 2.0)).unwrap();
+/// builder.line(Point3::new(3.0, 4.0, 2.0), FeedRate::from_mm_per_min(60.0), Role::Cut).unwrap();
+/// let figures = measure(&builder.finish().unwrap(), FeedRate::from_mm_per_min(600.0).unwrap());
+/// assert_eq!((figures.cutting_length_mm, figures.rapid_length_mm), (5.0, 10.0));
+/// // 5 mm at 1 mm/s, and 10 mm at 10 mm/s.
+/// assert_eq!((figures.cutting_time_s, figures.rapid_time_s), (Some(5.0), 1.0));
+/// assert_eq!(figures.bounds.max, Point3::new(3.0, 4.0, 12.0));
+/// ```
 pub fn measure(toolpath: &Toolpath, rapid_feed: FeedRate) -> Measures {
     let start = toolpath.start();
     let mut measures = Measures {

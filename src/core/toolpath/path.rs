@@ -135,6 +135,24 @@ pub enum PathError {
 }
 
 /// Builds a toolpath move by move; what it returns keeps the promises of the module.
+///
+/// # Example
+/// ```
+/// use nalgebra::Point3;
+/// use toolpathd_core::geometry::{curve::Direction, plane::Plane};
+/// use toolpathd_core::toolpath::{PathError, Role, Toolpath, units::FeedRate};
+///
+/// let feed = FeedRate::from_mm_per_min(600.0).unwrap();
+/// let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, 2.0));
+/// builder.line(Point3::new(0.0, 0.0, -1.0), feed, Role::Plunge).unwrap();
+/// let (end, about) = (Point3::new(20.0, 0.0, -1.0), (Plane::Xy, Direction::Ccw));
+/// builder.arc(end, Point3::new(10.0, 0.0, -1.0), about, feed, Role::Cut).unwrap();
+/// // This centre is 5 mm from the start and 10 mm from the end.
+/// let (wrong, center) = (Point3::new(35.0, 0.0, -1.0), Point3::new(25.0, 0.0, -1.0));
+/// let refused = builder.arc(wrong, center, about, feed, Role::Cut);
+/// assert!(matches!(refused, Err(PathError::Arc(_))));
+/// assert_eq!((builder.at(), builder.finish().unwrap().moves().count()), (end, 2));
+/// ```
 #[derive(Debug, Clone)]
 pub struct Builder {
     at: Point3<f64>,

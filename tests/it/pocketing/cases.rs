@@ -4,12 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point2;
 use toolpathd_core::geometry::segment::Segment;
-use toolpathd_core::operations::pocketing::{
-    ChooseBy, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern,
-};
+use toolpathd_core::operations::pocketing::{Job, Outlines, Pattern};
 use toolpathd_core::toolpath::cutting::CuttingRequest;
-use toolpathd_core::toolpath::program::{Resolution, Units};
-use toolpathd_core::toolpath::quantize::Curves;
 use toolpathd_core::toolpath::tool::{Shape, Tool};
 use toolpathd_core::toolpath::units::FeedRate;
 
@@ -204,34 +200,16 @@ pub const TOP_MM: f64 = 0.0;
 /// The job of a case. Without a slot feed, slots are cut at the feed.
 pub fn job(case: &Case, patterns: &[Pattern], slot_feed: Option<f64>) -> Job {
     let feed = |mm_per_min: f64| FeedRate::from_mm_per_min(mm_per_min).unwrap();
-    let radius_mm = 0.5 * case.diameter_mm;
+    let area = Outlines {
+        boundary: elements(&case.boundary),
+        islands: case.islands.iter().map(|island| elements(island)).collect(),
+    };
+    let tool = Tool { shape: Shape::Flat, ..Tool::ball(0.5 * case.diameter_mm) };
     Job {
-        area: Some(Outlines {
-            boundary: elements(&case.boundary),
-            islands: case.islands.iter().map(|island| elements(island)).collect(),
-        }),
-        relief: None,
-        islands_by: IslandsBy::Slicing,
-        cleared: Vec::new(),
-        move_limit: 500_000,
-        comparison_limit: 400_000_000,
         top_z_mm: Some(TOP_MM),
-        floor_z_mm: case.floor_mm,
         stepdown_max_mm: case.stepdown_mm,
-        roughing_allowance_mm: None,
-        tool: Tool { shape: Shape::Flat, ..Tool::ball(radius_mm) },
-        stepover_mm: case.stepover_mm,
         patterns: patterns.to_vec(),
-        choose_by: ChooseBy::Time,
-        entry: EntryLimits {
-            max_diameter_mm: 0.9 * case.diameter_mm,
-            min_diameter_mm: 0.25 * case.diameter_mm,
-            ramp_angle: 5f64.to_radians(),
-            plunge: true,
-        },
-        milling: Milling::Climb,
         cutting: CuttingRequest { slot_feed: slot_feed.map(feed), ..CuttingRequest::at_feed(feed(FEED)) },
-        resolution: Resolution { units: Units::Mm, decimals: 3 },
-        curves: Curves::ARCS,
+        ..Job::new(area, case.floor_mm, tool, case.stepover_mm, feed(FEED))
     }
 }

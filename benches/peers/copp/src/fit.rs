@@ -66,22 +66,9 @@ pub fn compare() {
 
 fn job(poses: &[Pose], tolerance_mm: f64) -> Job {
     let pace = Pace::Feed(FeedRate::from_mm_per_min(FEED_MM_PER_MIN).expect("a feed"));
-    Job {
-        path: poses.iter().map(|pose| Waypoint { pose: *pose, pace }).collect(),
-        rapid_feed: FeedRate::DEFAULT_RAPID,
-        tolerance_mm,
-        tolerance_axis: TOLERANCE_DEG.to_radians(),
-        swing_mm: 0.0,
-        top_mm: TOP_MM,
-        method: Method::Tube,
-        machine: None,
-        limits: None,
-        period_s: 0.001,
-        sample_limit: 1_000_000,
-        move_limit: 500_000,
-        retract_mm: 0.0,
-        rounding_mm: 0.0,
-    }
+    let path = poses.iter().map(|pose| Waypoint { pose: *pose, pace }).collect();
+    let job = Job::new(path, tolerance_mm, TOLERANCE_DEG.to_radians());
+    Job { top_mm: TOP_MM, method: Method::Tube, retract_mm: 0.0, ..job }
 }
 
 /// Spans and jerk (root of the mean square, largest; mm/s3) of copp's fit. Each coordinate of the tip may be

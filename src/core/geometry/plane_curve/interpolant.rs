@@ -46,6 +46,18 @@ pub enum InterpolantError {
 /// # Errors
 /// When there are fewer than two points or too many, a point is not finite, or a point coincides with the
 /// point before it.
+///
+/// # Example
+/// ```
+/// use nalgebra::Point2;
+/// use toolpathd_core::geometry::plane_curve::{PlaneCurve, interpolant::through};
+///
+/// let curve = through(&[[0.0, 0.0], [3.0, 4.0], [3.0, 6.0]].map(Point2::from)).unwrap();
+/// // The chords are 5 and 2 mm long.
+/// assert_eq!(curve.domain(), [0.0, 7.0]);
+/// assert_eq!(curve.breaks(), [5.0]);
+/// assert_eq!(curve.point(5.0), Point2::new(3.0, 4.0));
+/// ```
 pub fn through(points: &[Point2<f64>]) -> Result<Piecewise, InterpolantError> {
     if points.len() < 2 {
         return Err(InterpolantError::TooFewPoints { points: points.len() });

@@ -26,6 +26,26 @@ pub const SHORTEST_SPAN: f64 = 1e-9;
 
 /// Control points in the plane (not multiplied by the weights), mm. The full knot vector has n + degree + 1
 /// knots.
+///
+/// # Example
+/// A quarter of a circle of radius 10 mm.
+///
+/// ```
+/// use std::f64::consts::FRAC_1_SQRT_2;
+/// use nalgebra::Point2;
+/// use toolpathd_core::geometry::plane_curve::{PlaneCurve, nurbs::Nurbs};
+///
+/// let quarter = Nurbs {
+///     degree: 2,
+///     knots: vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+///     control_points: [[10.0, 0.0], [10.0, 10.0], [0.0, 10.0]].map(Point2::from).to_vec(),
+///     weights: Some(vec![1.0, FRAC_1_SQRT_2, 1.0]),
+/// };
+/// let curve = quarter.curve().unwrap();
+/// for t in [0.0, 0.2, 0.5, 0.9, 1.0] {
+///     assert!((curve.point(t).coords.norm() - 10.0).abs() < 1e-12);
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Nurbs {
     pub degree: usize,

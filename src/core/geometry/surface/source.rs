@@ -12,6 +12,25 @@ use super::point_grid::{GridError, PointGrid};
 use super::ruled::{Ruled, RuledError};
 
 /// The data of a surface, one variant for each kind.
+///
+/// # Example
+/// Four points of z = x y make this surface exactly.
+///
+/// ```
+/// use nalgebra::{Point3, Vector2};
+/// use toolpathd_core::geometry::surface::Surface;
+/// use toolpathd_core::geometry::surface::any_surface::AnySurface;
+/// use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+/// use toolpathd_core::geometry::surface::source::Source;
+///
+/// let points = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| Point3::new(x, y, x * y)).to_vec()).to_vec();
+/// let grid = PointGrid { points, twist: Twist::Spline, ends: Ends::Usual };
+/// let source = Source::PointGrid(grid);
+/// let AnySurface::Bicubic(surface) = source.surface().unwrap() else { panic!("cubic splines") };
+/// let jet = surface.jet(0.5, 0.25);
+/// assert!((jet.point - Point3::new(0.5, 0.25, 0.125)).norm() < 1e-15);
+/// assert!((jet.gradient() - Vector2::new(0.25, 0.5)).norm() < 1e-15);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     PointGrid(PointGrid),

@@ -6,6 +6,8 @@ mod laws;
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::*;
+use crate::toolpath::pose::Waypoint;
+use crate::toolpath::units::FeedRate;
 use judge::{along_moves, farthest};
 
 /// A path like the paper's: 134 blocks along a wave with chords of 5 micrometres. The axis swings sideways.
@@ -57,22 +59,8 @@ fn feed_of(job: &Job) -> f64 {
 }
 
 pub(super) fn job(poses: Vec<Pose>, method: Method) -> Job {
-    Job {
-        path: at_feed(&poses, 3000.0),
-        rapid_feed: FeedRate::DEFAULT_RAPID,
-        retract_mm: 20.0,
-        rounding_mm: 0.0,
-        tolerance_mm: 0.005,
-        tolerance_axis: 0.5_f64.to_radians(),
-        swing_mm: 0.0,
-        top_mm: 50.0,
-        method,
-        machine: None,
-        limits: None,
-        period_s: 0.00025,
-        sample_limit: 1_000_000,
-        move_limit: 500_000,
-    }
+    let period_s = 0.00025;
+    Job { method, period_s, ..Job::new(at_feed(&poses, 3000.0), 0.005, 0.5_f64.to_radians()) }
 }
 
 fn upright(points: &[[f64; 3]]) -> Vec<Pose> {

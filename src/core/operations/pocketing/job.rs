@@ -5,9 +5,22 @@ use crate::geometry::height_field::HeightGrid;
 use crate::geometry::segment::Segment;
 use crate::geometry::surface::source::Source;
 use crate::toolpath::cutting::CuttingRequest;
-use crate::toolpath::program::Resolution;
+use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::Curves;
 use crate::toolpath::tool::Tool;
+use crate::toolpath::units::FeedRate;
+
+/// The diameters of helices where none are given, as parts of the cutter's diameter. The widest leaves no
+/// core.
+const NARROWEST_HELIX: f64 = 0.25;
+const WIDEST_HELIX: f64 = 0.9;
+
+/// The angle of helices and ramps where none is given, degrees.
+const RAMP_DEG: f64 = 5.0;
+
+/// The most moves and the most comparisons of a job whose caller sets no limits.
+const DEFAULT_MOVE_LIMIT: usize = 500_000;
+const DEFAULT_COMPARISON_LIMIT: u64 = 400_000_000;
 
 /// A way to clear a level. All but `engagement` have a pass along walls and islands of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -145,4 +158,44 @@ pub struct Job {
     /// share them evenly, and a pattern that needs more for a shape is left out. 15 to 35 million took a
     /// second on one core.
     pub comparison_limit: u64,
+}
+
+impl EntryLimits {
+    /// The limits for a cutter where none are given.
+    pub fn of(diameter_mm: f64) -> Self {
+        Self {
+            max_diameter_mm: WIDEST_HELIX * diameter_mm,
+            min_diameter_mm: NARROWEST_HELIX * diameter_mm,
+            ramp_angle: RAMP_DEG.to_radians(),
+            plunge: true,
+        }
+    }
+}
+
+impl Job {
+    /// The job with the default of everything that has one: a pocket with upright walls, cleared in one level
+    /// from 0 down to the floor, and written in mm with three decimals for a control that runs all arcs.
+    pub fn new(area: Outlines, floor_z_mm: f64, tool: Tool, stepover_mm: f64, feed: FeedRate) -> Self {
+        Self {
+            area: Some(area),
+            relief: None,
+            islands_by: IslandsBy::default(),
+            cleared: Vec::new(),
+            top_z_mm: None,
+            floor_z_mm,
+            stepdown_max_mm: -floor_z_mm,
+            roughing_allowance_mm: None,
+            tool,
+            stepover_mm,
+            patterns: Pattern::ALL.to_vec(),
+            choose_by: ChooseBy::default(),
+            entry: EntryLimits::of(2.0 * tool.radius_mm),
+            milling: Milling::default(),
+            cutting: CuttingRequest::at_feed(feed),
+            resolution: Resolution { units: Units::Mm, decimals: 3 },
+            curves: Curves::ARCS,
+            move_limit: DEFAULT_MOVE_LIMIT,
+            comparison_limit: DEFAULT_COMPARISON_LIMIT,
+        }
+    }
 }

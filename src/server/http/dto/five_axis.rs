@@ -35,19 +35,12 @@ use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_post::AxisOutput;
 use toolpathd_post::path_text::{self, PathTextError, Reading};
 
-/// Default of `top_distance_mm`: the axis of a tool of usual length, mm.
-const DEFAULT_TOP_MM: f64 = 50.0;
-/// Default of `sample_period_ms`: the period of many controls, ms.
-const DEFAULT_PERIOD_MS: f64 = 1.0;
-
-/// Legal values of `tolerance_mm`, of `tolerance_deg` and of `sample_period_ms`.
+/// Legal values of `tolerance_mm`, of `tolerance_deg`, of `sample_period_ms` and of `retract_mm`.
 const TOLERANCE_MM: Range = Range { min: 1e-5, max: 10.0 };
 const TOLERANCE_DEG: Range = Range { min: 1e-4, max: 10.0 };
 const PERIOD_MS: Range = Range { min: 0.01, max: 1000.0 };
-
-/// Default of `retract_mm`, and its legal values.
-const DEFAULT_RETRACT_MM: f64 = 20.0;
 const RETRACT_MM: Range = Range { min: 0.0, max: 1000.0 };
+
 /// A path of tool poses to be smoothed: `path`, `cl` or `nc`.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -190,7 +183,7 @@ impl IntoJob for SmoothRequest {
         let sent = SentSetup { tool, cutting, program: program.unwrap_or_default(), meta };
         let (mut setup, cutting, meta) = sent.convert(&mut violations);
 
-        let top_mm = top_distance_mm.unwrap_or(DEFAULT_TOP_MM);
+        let top_mm = top_distance_mm.unwrap_or(core::DEFAULT_TOP_MM);
         let feed =
             feed_mm_per_min.and_then(FeedRate::from_mm_per_min).or(cutting.map(|cutting| cutting.feed));
         let given = Given { path, cl, nc };
@@ -213,12 +206,12 @@ impl IntoJob for SmoothRequest {
             swing_mm,
             top_mm,
             method,
-            period_s: sample_period_ms.unwrap_or(DEFAULT_PERIOD_MS) * 1e-3,
+            period_s: sample_period_ms.map_or(core::DEFAULT_PERIOD_S, |ms| ms * 1e-3),
             machine,
             limits: motion,
             sample_limit: limits.samples,
             move_limit: limits.moves,
-            retract_mm: retract_mm.unwrap_or(DEFAULT_RETRACT_MM),
+            retract_mm: retract_mm.unwrap_or(core::DEFAULT_RETRACT_MM),
             // Half a unit along each coordinate.
             rounding_mm: 0.5 * 3f64.sqrt() * step_mm + strays_mm,
         };

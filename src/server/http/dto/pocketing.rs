@@ -135,12 +135,6 @@ const MOST_CLEARED: usize = 1000;
 /// Legal angles of ramps, degrees.
 const RAMP: Range = Range { min: 0.1, max: 89.0 };
 
-/// The default angle of ramps, degrees.
-const DEFAULT_RAMP_DEG: f64 = 5.0;
-
-/// The default diameters of helices, as parts of the cutter's diameter. The larger leaves no core.
-const DEFAULT_HELIX: [f64; 2] = [0.25, 0.9];
-
 impl PocketEntry {
     fn convert(
         entry: Option<Self>,
@@ -148,19 +142,20 @@ impl PocketEntry {
         diameter_mm: f64,
         violations: &mut Violations,
     ) -> core::EntryLimits {
-        let [least, most] = DEFAULT_HELIX.map(|part| part * diameter_mm);
+        let usual = core::EntryLimits::of(diameter_mm);
         let none = Self { max_diameter_mm: None, min_diameter_mm: None, ramp_angle_deg: None, plunge: true };
         let Self { max_diameter_mm, min_diameter_mm, ramp_angle_deg, plunge } = entry.unwrap_or(none);
         let range = Range { max: diameter_mm, ..Range::POSITIVE };
         violations.optional(&at.field("max_diameter_mm"), max_diameter_mm, range, "mm");
-        let max_diameter_mm = max_diameter_mm.unwrap_or_else(|| most.max(min_diameter_mm.unwrap_or(0.0)));
+        let max_diameter_mm =
+            max_diameter_mm.unwrap_or(usual.max_diameter_mm.max(min_diameter_mm.unwrap_or(0.0)));
         let range = Range { max: max_diameter_mm, ..Range::POSITIVE };
         violations.optional(&at.field("min_diameter_mm"), min_diameter_mm, range, "mm");
         violations.optional(&at.field("ramp_angle_deg"), ramp_angle_deg, RAMP, "degrees");
         core::EntryLimits {
             max_diameter_mm,
-            min_diameter_mm: min_diameter_mm.unwrap_or(least.min(max_diameter_mm)),
-            ramp_angle: ramp_angle_deg.unwrap_or(DEFAULT_RAMP_DEG).to_radians(),
+            min_diameter_mm: min_diameter_mm.unwrap_or(usual.min_diameter_mm.min(max_diameter_mm)),
+            ramp_angle: ramp_angle_deg.map_or(usual.ramp_angle, f64::to_radians),
             plunge,
         }
     }

@@ -73,7 +73,7 @@ use crate::toolpath::path::{Builder, PathError};
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::units::rounded_up;
 use candidate::{Route, routes};
-pub use check::{Exception, Invalid};
+pub use check::Exception;
 use conditions::Conditions;
 pub use job::{ChooseBy, Emptied, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, Relief};
 pub use labelling::MOST_CELLS;
@@ -147,7 +147,7 @@ pub enum PocketError {
     #[error("the pocket needs more than {limit} {what}")]
     TooMuchWork { what: &'static str, limit: usize },
     #[error("no pattern passes the check; the first one fails because {because}")]
-    NoneValid { because: Invalid },
+    NoneValid { because: String },
 }
 
 impl From<RegionError> for PocketError {
@@ -247,7 +247,7 @@ fn choose<'a>(
         let routes = match routes {
             Ok(routes) => routes,
             Err(error) => {
-                candidates.push(Candidate::failed(*pattern, error.clone()));
+                candidates.push(Candidate::failed(*pattern, error.to_string()));
                 failure.get_or_insert_with(|| error.clone());
                 continue;
             }
@@ -273,7 +273,7 @@ fn choose<'a>(
             }
         }
         if let (None, Some(error)) = (&fastest, too_long) {
-            candidates.push(Candidate::failed(*pattern, error.clone()));
+            candidates.push(Candidate::failed(*pattern, error.to_string()));
             failure.get_or_insert(error);
         }
         let Some((figure, candidate, route)) = fastest else { continue };

@@ -18,7 +18,6 @@ use nalgebra::Point2;
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::pointer::Pointer;
 pub use five_axis::path_text;
-pub use pocketing::invalid;
 pub use warning::{Warning, WarningCode};
 pub use writing::{missing, refused};
 

@@ -36,20 +36,6 @@ pub struct Exception {
     pub angle: f64,
 }
 
-/// Why a pattern is not valid.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Invalid {
-    #[error("it leaves {area_mm2:.3} mm2 uncut")]
-    Uncut { area_mm2: f64 },
-    #[error("it cuts {depth_mm:.4} mm into a wall near {at}")]
-    Gouge { depth_mm: f64, at: Point2<f64> },
-    #[error("a link runs through material near {at}")]
-    LinkInMaterial { at: Point2<f64> },
-    /// The pattern has no path.
-    #[error(transparent)]
-    Failed(Box<PocketError>),
-}
-
 /// The figures of a route that hold at any height.
 #[derive(Debug, Clone, Default)]
 pub struct Check {
@@ -68,7 +54,7 @@ pub struct Check {
     /// Feed motion that cuts nothing, links included, mm.
     pub air_length_mm: f64,
     /// Why the route is not valid.
-    pub invalid_because: Option<Invalid>,
+    pub invalid_because: Option<String>,
 }
 
 pub fn check(
@@ -97,14 +83,15 @@ pub fn check(
     }
     let allowed = UNCUT_PART * shape.reach.area();
     if check.uncut_area_mm2 > allowed {
-        check.invalid_because = Some(Invalid::Uncut { area_mm2: check.uncut_area_mm2 });
+        check.invalid_because = Some(format!("it leaves {:.3} mm2 uncut", check.uncut_area_mm2));
     }
     let limit = conditions.radius_mm - GOUGE_MM;
     for element in chains.iter().flatten() {
         let clearance = shape.pocket.clearance(element, conditions.radius_mm);
         if clearance < limit {
-            let depth_mm = conditions.radius_mm - clearance;
-            check.invalid_because = Some(Invalid::Gouge { depth_mm, at: element.at(0.5) });
+            let gouge = conditions.radius_mm - clearance;
+            check.invalid_because =
+                Some(format!("it cuts {gouge:.4} mm into a wall near {}", element.at(0.5)));
         }
     }
     Ok(check)
@@ -133,7 +120,7 @@ fn angles(runs: &[Run], conditions: &Conditions, check: &mut Check) {
                 check.air_length_mm += own;
             } else if step.purpose == Purpose::Link {
                 let at = step.element.at(stretch.from);
-                check.invalid_because = Some(Invalid::LinkInMaterial { at });
+                check.invalid_because = Some(format!("a link runs through material near {at}"));
             }
             if stretch.angle > conditions.slot_angle {
                 check.engagement_over_length_mm += own;

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use super::PocketError;
 use super::candidate::Route;
 use super::chain::from_above;
-use super::check::{Exception, Invalid};
+use super::check::Exception;
 use super::conditions::Conditions;
 use super::job::{ChooseBy, Job, Pattern};
 use super::level::{Heights, Island, Level, Shape, Uncut, largest_places};
@@ -45,7 +45,7 @@ pub struct Candidate {
     /// Where the angle exceeds 1.1 of that of a straight pass; for the pattern `engagement` alone.
     pub exceptions: Vec<Exception>,
     pub air_length_mm: f64,
-    pub invalid_because: Option<Invalid>,
+    pub invalid_because: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -131,7 +131,7 @@ impl Candidate {
     }
 
     /// A pattern without a path.
-    pub fn failed(pattern: Pattern, error: PocketError) -> Self {
+    pub fn failed(pattern: Pattern, because: String) -> Self {
         Self {
             pattern,
             times: None,
@@ -141,7 +141,7 @@ impl Candidate {
             engagement_over_length_mm: 0.0,
             exceptions: Vec::new(),
             air_length_mm: 0.0,
-            invalid_because: Some(Invalid::Failed(Box::new(error))),
+            invalid_because: Some(because),
         }
     }
 

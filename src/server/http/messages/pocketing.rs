@@ -5,7 +5,7 @@ use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::height_field::HeightFieldError;
 use toolpathd_core::geometry::region::{OutlineError, RegionError};
-use toolpathd_core::operations::pocketing::{self, Invalid, PocketError};
+use toolpathd_core::operations::pocketing::{self, PocketError};
 use toolpathd_core::toolpath::PathError;
 use toolpathd_core::toolpath::units::rounded_up;
 
@@ -91,14 +91,6 @@ impl From<PocketError> for ApiError {
             }
             PocketError::Path(_) => Self::new(Code::InternalError, fact),
         }
-    }
-}
-
-/// Why a pattern is not valid.
-pub fn invalid(because: &Invalid) -> String {
-    match because {
-        Invalid::Failed(error) => ApiError::from(PocketError::clone(error)).detail().to_owned(),
-        _ => because.to_string(),
     }
 }
 

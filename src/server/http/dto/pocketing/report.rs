@@ -4,7 +4,6 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Pattern;
-use crate::http::messages;
 use toolpathd_core::operations::pocketing as core;
 
 /// The levels with the figures of all patterns, and figures of the whole program.
@@ -182,7 +181,7 @@ impl From<&core::Candidate> for PocketCandidate {
         Self {
             pattern: (*pattern).into(),
             valid: invalid_because.is_none(),
-            invalid_because: invalid_because.as_ref().map(messages::invalid),
+            invalid_because: invalid_because.clone(),
             paper_time_s: times.map(|times| times.paper_time_s),
             time_s: times.map(|times| times.time_s),
             time_with_acceleration_s: times.map(|times| times.time_with_acceleration_s),

@@ -4,17 +4,6 @@
 use nalgebra::{Point3, Vector3};
 
 /// The plane of an arc: `xy` (G17), `zx` (G18) or `yz` (G19).
-///
-/// # Example
-/// ```
-/// use nalgebra::{Point3, Vector3};
-/// use toolpathd_core::geometry::plane::Plane;
-///
-/// let p = Point3::new(1.0, 2.0, 3.0);
-/// let local = Plane::Zx.to_local(&p);
-/// assert_eq!(local, Vector3::new(3.0, 1.0, 2.0));
-/// assert_eq!(Plane::Zx.to_workpiece(&local), p);
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
 #[cfg_attr(feature = "wire", serde(rename_all = "snake_case"), schema(as = ArcPlane))]
@@ -41,6 +30,17 @@ impl Plane {
     }
 
     /// The coordinates (first, second, normal) of a workpiece point, mm.
+    ///
+    /// # Example
+    /// ```
+    /// use nalgebra::{Point3, Vector3};
+    /// use toolpathd_core::geometry::plane::Plane;
+    ///
+    /// let p = Point3::new(1.0, 2.0, 3.0);
+    /// let local = Plane::Zx.to_local(&p);
+    /// assert_eq!(local, Vector3::new(3.0, 1.0, 2.0));
+    /// assert_eq!(Plane::Zx.to_workpiece(&local), p);
+    /// ```
     pub fn to_local(self, p: &Point3<f64>) -> Vector3<f64> {
         let [a, b, n] = self.axes();
         Vector3::new(p[a], p[b], p[n])

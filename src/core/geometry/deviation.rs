@@ -54,6 +54,10 @@ const LOOK_PART: f64 = 1.0 / 64.0;
 /// Cells between two looks at whether the proof is still wanted.
 const CELLS_BETWEEN_CHECKS: usize = 64;
 
+/// The part by which a product of a few factors is made larger, so that it bounds the exact product: some 40
+/// units of rounding.
+const OUTWARD: f64 = 1e-14;
+
 /// If the range has more breaks than `BREAKS_TO_PROBE`, a few parameters are read first, because the element
 /// will hardly fit. `PROBES` is the number of parts that these parameters divide the range into.
 const BREAKS_TO_PROBE: usize = 4;
@@ -276,7 +280,7 @@ fn bound(gauge: &impl Gauge, a: &Reading, b: &Reading) -> Interval {
 
 /// Encloses a function between its ends, from its values there and its second derivative.
 fn between(a: Interval, b: Interval, bend: Interval, width: f64) -> Interval {
-    let square = width * width * (1.0 + 1e-14);
+    let square = width * width * (1.0 + OUTWARD);
     let above = bulge(b.hi() - a.hi(), (-bend.lo()).max(0.0) * square);
     let below = bulge(a.lo() - b.lo(), bend.hi().max(0.0) * square);
     let most = a.hi().max(b.hi()) + above;
@@ -295,7 +299,7 @@ fn bulge(rise: f64, bend: f64) -> f64 {
         return 0.0;
     }
     let over = bend - 2.0 * rise;
-    over * over / (8.0 * bend) * (1.0 + 1e-14)
+    over * over / (8.0 * bend) * (1.0 + OUTWARD)
 }
 
 #[cfg(test)]

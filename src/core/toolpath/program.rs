@@ -47,6 +47,21 @@ pub struct Program {
     pub custom: Custom,
 }
 
+impl Program {
+    /// Program 1, without a name and without everything else that may be left out.
+    pub const fn plain(resolution: Resolution) -> Self {
+        Self {
+            resolution,
+            number: 1,
+            name: None,
+            block_numbers: false,
+            work_offset: None,
+            safe_home: SafeHome::None,
+            custom: Custom { header: Vec::new(), tool_change: Vec::new(), footer: Vec::new() },
+        }
+    }
+}
+
 /// A shop's own lines in a program.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Custom {

@@ -103,6 +103,7 @@ pub(super) fn limits() -> MotionLimits {
 fn assert_driven(name: &str, job: &Job) -> Plan {
     let plan = plan(job, &Budget::unlimited()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let machine = job.machine.as_ref().unwrap();
+    assert_eq!(plan.report.axis_peaks.len(), 5, "{name}");
     for (axis, peaks) in &plan.report.axis_peaks {
         let own = limits().axes.into_iter().find(|(name, _)| name == axis).unwrap().1;
         for (peak, limit) in peaks.iter().zip([own.speed, own.acceleration, own.jerk]) {

@@ -165,9 +165,7 @@ proptest! {
         machine in machine(), tip in vector(1000.0 / 3f64.sqrt()), axis in direction(),
     ) {
         let wanted = pose(tip, axis);
-        let found = solutions(&machine, &wanted);
-        prop_assume!(!found.is_empty());
-        for joints in found {
+        for joints in solutions(&machine, &wanted) {
             prop_assert!(distance(&machine.forward(&joints), &wanted) < PROMISED);
         }
     }

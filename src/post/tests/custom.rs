@@ -217,7 +217,10 @@ fn a_dialect_without_a_tool_change_has_no_lines_for_it() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    // Most lines are refused.
+    #![proptest_config(ProptestConfig {
+        failure_persistence: None, max_global_rejects: 65_536, ..ProptestConfig::default()
+    })]
 
     /// Lines are refused, or they are lines of the program, and all other lines are as without them.
     #[test]

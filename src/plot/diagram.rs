@@ -39,6 +39,9 @@ const BEYOND: f64 = 0.25;
 /// The part of the range of values that stays free at both ends.
 const ROOM: f64 = 0.03;
 
+/// Values whose range is smaller than this part of them count as one value: the range is rounding.
+const ONE_VALUE: f64 = 1e-9;
+
 const STYLE: &str =
     ".plot .before{stroke:#8a8a8a;stroke-width:.13}.plot .after{stroke:#0072b2;stroke-width:.25}";
 
@@ -143,7 +146,7 @@ impl Range {
         let low = after.low.min(before.low.max(after.low - beyond));
         let high = after.high.max(before.high.min(after.high + beyond));
         // A line at the frame would not be seen; a value that does not change gets some room.
-        let room = if high - low > 1e-9 * high.abs().max(low.abs()) {
+        let room = if high - low > ONE_VALUE * high.abs().max(low.abs()) {
             ROOM * (high - low)
         } else {
             1.0_f64.max(1e-3 * high.abs())

@@ -74,17 +74,9 @@ mod tests {
     use crate::DIALECTS;
     use crate::dialects::deckel::DECKEL;
     use crate::dialects::siemens::SIEMENS;
-    use toolpathd_core::toolpath::program::{Custom, Resolution};
+    use toolpathd_core::toolpath::program::Resolution;
 
-    const PLAIN: Program = Program {
-        resolution: Resolution { units: Units::Mm, decimals: 3 },
-        number: 1,
-        name: None,
-        block_numbers: false,
-        work_offset: None,
-        safe_home: SafeHome::None,
-        custom: Custom { header: Vec::new(), tool_change: Vec::new(), footer: Vec::new() },
-    };
+    const PLAIN: Program = Program::plain(Resolution { units: Units::Mm, decimals: 3 });
 
     #[test]
     fn every_dialect_writes_a_program_that_asks_for_nothing() {

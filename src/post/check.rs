@@ -26,6 +26,17 @@ const MISMATCH_LIMIT_STEPS: f64 = 1.5;
 /// fault.
 const AGREEMENT_STEPS: f64 = 0.01;
 
+/// Largest difference of a written and a read feed, as a part of it. Both are the same decimal number, times
+/// the same unit: they differ by the rounding of a product.
+const FEED_AGREEMENT: f64 = 1e-12;
+
+/// Largest difference of a written and a read dwell, ms. The text holds whole milliseconds.
+const DWELL_AGREEMENT_MS: f64 = 1e-3;
+
+/// Largest difference from 60 of a block's seconds times its inverse time: the rounding of a quotient and of
+/// a product is 1e-14.
+const INVERSE_TIME_AGREEMENT: f64 = 1e-9;
+
 /// Reads `text` and returns the largest radius mismatch in it, mm. A shop's own lines stand at `custom`.
 ///
 /// # Errors
@@ -111,7 +122,7 @@ fn difference(
     };
     let is_feed = |rate: FeedRate, feed: FeedWord| {
         let wanted = feed.value() * grid.unit_mm();
-        (rate.mm_per_min() - wanted).abs() <= 1e-12 * wanted
+        (rate.mm_per_min() - wanted).abs() <= FEED_AGREEMENT * wanted
     };
     let is_axis = |axis: AxisWords, posed: &Posed| is_axis(axis, posed, job);
     let place = |posed: &Posed| are_near(posed.from, start) && are_near(posed.to, *at);
@@ -133,10 +144,10 @@ fn difference(
                     (BlockFeed::Rapid, Pace::Rapid) => true,
                     (BlockFeed::PerMinute(feed), Pace::Feed(rate)) => is_feed(rate, feed),
                     (BlockFeed::InverseTime(feed), Pace::Seconds(seconds)) => {
-                        (seconds * feed.value() - 60.0).abs() <= 1e-9
+                        (seconds * feed.value() - 60.0).abs() <= INVERSE_TIME_AGREEMENT
                     }
                     (BlockFeed::DegreesPerMinute(feed), Pace::DegreesPerMinute(rate)) => {
-                        (rate - feed.value()).abs() <= 1e-12 * feed.value()
+                        (rate - feed.value()).abs() <= FEED_AGREEMENT * feed.value()
                     }
                     _ => false,
                 },
@@ -181,7 +192,7 @@ fn difference(
             rail_difference(&rails[index as usize], &rail, start, grid)
         }
         (Block::Dwell { milliseconds }, Step::Dwell { seconds }) => {
-            first_false(&[((seconds * 1000.0 - milliseconds as f64).abs() <= 1e-3, "dwell")])
+            first_false(&[((seconds * 1000.0 - milliseconds as f64).abs() <= DWELL_AGREEMENT_MS, "dwell")])
         }
         _ => Some("kind"),
     }
@@ -212,7 +223,7 @@ fn rail_difference(
         (begins && ends, "place"),
         (are_fine(read.second, words.second), "axis"),
         (powers, "polynomial"),
-        ((read.rate.mm_per_min() - wanted).abs() <= 1e-12 * wanted, "feed"),
+        ((read.rate.mm_per_min() - wanted).abs() <= FEED_AGREEMENT * wanted, "feed"),
     ])
 }
 

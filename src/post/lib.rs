@@ -86,7 +86,12 @@ pub struct ProgramJob<'a> {
     pub five_axes: Option<FiveAxes<'a>>,
 }
 
-impl ProgramJob<'_> {
+impl<'a> ProgramJob<'a> {
+    /// A job of an upright tool that the program does not describe, without comments and warnings.
+    pub const fn plain(program: &'a Program, cutting: &'a Cutting, dialect: &'a Dialect) -> Self {
+        Self { program, tool: None, cutting, dialect, comments: &[], warnings: &[], five_axes: None }
+    }
+
     /// The rotary axes in the order of their letters: each letter, and the place of its angle in a block.
     fn rotary_words(&self) -> [(char, usize); 2] {
         let [first, second] = self.rotary_names();

@@ -8,12 +8,17 @@ pub mod cl;
 pub mod nc;
 pub(super) mod tokens;
 
+use std::ops::RangeInclusive;
+
 use nalgebra::{Unit, UnitVector3, Vector3};
 
 use toolpathd_core::toolpath::units::FeedRate;
 
 /// A vector that is shorter is no direction.
 const SHORTEST_VECTOR: f64 = 1e-6;
+
+/// The feeds that are read, mm/min: those that a request may ask for.
+const FEEDS_MM_PER_MIN: RangeInclusive<f64> = 1e-3..=1e6;
 
 /// Coordinates are smaller than this, mm.
 const LARGEST_MM: f64 = 1e6;
@@ -75,7 +80,7 @@ fn direction(vector: Vector3<f64>) -> Result<UnitVector3<f64>, PathFault> {
 }
 
 fn feed(mm_per_min: f64) -> Result<FeedRate, PathFault> {
-    let is_legal = (1e-3..=1e6).contains(&mm_per_min);
+    let is_legal = FEEDS_MM_PER_MIN.contains(&mm_per_min);
     FeedRate::from_mm_per_min(mm_per_min).filter(|_| is_legal).ok_or(PathFault::BadFeed(mm_per_min))
 }
 

@@ -13,7 +13,7 @@ use toolpathd_core::geometry::curve::{Curve, Direction};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::cutting::{Coolant, CuttingRequest};
 use toolpathd_core::toolpath::measure::measure;
-use toolpathd_core::toolpath::program::{Custom, Resolution, SafeHome, Units};
+use toolpathd_core::toolpath::program::{Resolution, SafeHome, Units};
 use toolpathd_core::toolpath::tool::Shape;
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{Builder, Role};
@@ -43,18 +43,6 @@ fn iso(dialect: &Dialect) -> Iso {
 
 fn feed(mm_per_min: f64) -> FeedRate {
     FeedRate::from_mm_per_min(mm_per_min).unwrap()
-}
-
-fn program(resolution: Resolution) -> Program {
-    Program {
-        resolution,
-        number: 1,
-        name: None,
-        block_numbers: false,
-        work_offset: None,
-        safe_home: SafeHome::None,
-        custom: Custom::default(),
-    }
 }
 
 fn cutting() -> Cutting {
@@ -113,7 +101,7 @@ fn sample() -> Toolpath {
 
 #[test]
 fn inches_block_numbers_and_a_stopped_spindle_are_written() {
-    let program = Program { block_numbers: true, ..program(INCH) };
+    let program = Program { block_numbers: true, ..Program::plain(INCH) };
     let cutting = Cutting { spindle_rpm: None, coolant: Coolant::Off, ..cutting() };
     let text = written(&sample(), &program, &cutting, &[]).unwrap().text;
     assert!(text.contains("G17 G20 G90"));
@@ -137,7 +125,7 @@ fn block_numbers_start_again_behind_the_largest() {
     for k in 0..11_000 {
         path.line(Point3::new(f64::from(k % 2 + 1), 0.0, 0.0), feed(100.0), Role::Cut).unwrap();
     }
-    let program = Program { block_numbers: true, ..program(MM) };
+    let program = Program { block_numbers: true, ..Program::plain(MM) };
     let text = written(&path.finish().unwrap(), &program, &cutting(), &[]).unwrap().text;
     assert!(text.contains("\nN99990 ") && !text.contains("N100000") && text.matches("\nN20 ").count() == 2);
 }
@@ -151,7 +139,7 @@ fn a_path_without_length_still_gives_a_whole_program() {
         path.dwell(0.0).unwrap();
         let path = path.finish().unwrap();
         for dialect in WORDS {
-            let text = written_in(dialect, &path, &program(MM), &cutting(), &[]).unwrap().text;
+            let text = written_in(dialect, &path, &Program::plain(MM), &cutting(), &[]).unwrap().text;
             assert!(text.contains("\nM30\n") && !text.contains("G1 ") && !text.contains("-0"));
             // The first motion is across, at the height where the machine is; the next to the clearance plane
             // or above, with a length offset in force.
@@ -167,43 +155,38 @@ fn a_path_without_length_still_gives_a_whole_program() {
 #[test]
 fn a_value_that_no_program_can_hold_is_an_error() {
     let path = sample();
-    let decimals = |decimals| program(Resolution { units: Units::Mm, decimals });
+    let decimals = |decimals| Program::plain(Resolution { units: Units::Mm, decimals });
     for count in [0, 7, 255] {
         let error = written(&path, &decimals(count), &cutting(), &[]).unwrap_err();
         assert_eq!(error, WriteError::Decimals { decimals: count, max: 6 });
     }
-    let offset = Program { work_offset: Some(60), ..program(MM) };
+    let offset = Program { work_offset: Some(60), ..Program::plain(MM) };
     let refused = written(&path, &offset, &cutting(), &[]);
     assert!(matches!(refused, Err(WriteError::Missing(Missing::WorkOffset { number: 60, .. }))));
     let still = Cutting { spindle_rpm: Some(-1.0), ..cutting() };
-    assert_eq!(written(&path, &program(MM), &still, &[]), Err(WriteError::SpindleSpeed { rpm: -1.0 }));
+    assert_eq!(written(&path, &Program::plain(MM), &still, &[]), Err(WriteError::SpindleSpeed { rpm: -1.0 }));
     let nowhere = Cutting { clearance_z_mm: f64::NAN, ..cutting() };
-    assert!(matches!(written(&path, &program(MM), &nowhere, &[]), Err(WriteError::Quantize(_))));
+    assert!(matches!(written(&path, &Program::plain(MM), &nowhere, &[]), Err(WriteError::Quantize(_))));
     let mut path = Toolpath::builder(Point3::origin());
     path.dwell(1e9).unwrap();
     let long = path.finish().unwrap();
     assert_eq!(
-        written(&long, &program(MM), &cutting(), &[]),
+        written(&long, &Program::plain(MM), &cutting(), &[]),
         Err(WriteError::Dwell { seconds: 1e9, most_s: 1e6 })
     );
     let mut path = Toolpath::builder(Point3::origin());
     path.line(Point3::new(1.0, 0.0, 0.0), feed(1e-12), Role::Cut).unwrap();
     let slow = path.finish().unwrap();
-    assert_eq!(written(&slow, &program(MM), &cutting(), &[]), Err(WriteError::Feed { mm_per_min: 1e-12 }));
+    assert_eq!(
+        written(&slow, &Program::plain(MM), &cutting(), &[]),
+        Err(WriteError::Feed { mm_per_min: 1e-12 })
+    );
 }
 
 #[test]
 fn a_changed_program_fails_the_check() {
-    let (program, cutting) = (program(MM), cutting());
-    let job = ProgramJob {
-        program: &program,
-        tool: Some(&TOOL),
-        cutting: &cutting,
-        dialect: DIALECTS[0],
-        comments: &[],
-        warnings: &[],
-        five_axes: None,
-    };
+    let (program, cutting) = (Program::plain(MM), cutting());
+    let job = ProgramJob { tool: Some(&TOOL), ..ProgramJob::plain(&program, &cutting, DIALECTS[0]) };
     let blocks = lower::lower(&sample(), &job, &Budget::unlimited()).unwrap();
     let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
     let grid = Grid::new(MM);
@@ -301,7 +284,7 @@ proptest! {
         }
         let path = path.finish().unwrap();
         let resolution = if inch { INCH } else { MM };
-        let program = Program { block_numbers: numbers, work_offset, ..program(resolution) };
+        let program = Program { block_numbers: numbers, work_offset, ..Program::plain(resolution) };
         let program = written_in(dialect, &path, &program, &cutting(), &[]).unwrap();
         let limit_mm = 1.5 * resolution.step_mm();
         prop_assert!(program.max_radius_mismatch_mm <= limit_mm && program.max_displacement_mm <= limit_mm);
@@ -330,7 +313,7 @@ proptest! {
         name in "(?s).{0,300}", note in "[(]?(MSG|LOG|DEBUG|PRINT|PROBEOPEN)[,)%\n].{0,50}", numbers: bool,
         dialect in prop::sample::select(WORDS.to_vec()),
     ) {
-        let job = Program { name: Some(name), block_numbers: numbers, ..program(MM) };
+        let job = Program { name: Some(name), block_numbers: numbers, ..Program::plain(MM) };
         let notes = [note, "x".repeat(10_000), ")\n%".repeat(3_000)];
         let text = written_in(dialect, &sample(), &job, &cutting(), &notes).unwrap().text;
         prop_assert!(text.is_ascii());
@@ -395,7 +378,7 @@ fn an_arc_flatter_than_half_a_unit_is_written_as_a_line() {
     let (end, center) =
         (Point3::new(2.0 * r * half.sin(), 0.0, 0.0), Point3::new(r * half.sin(), -r * half.cos(), 0.0));
     path.arc(end, center, (Plane::Xy, Direction::Cw), feed(100.0), Role::Cut).unwrap();
-    let text = written(&path.finish().unwrap(), &program(MM), &cutting(), &[]).unwrap().text;
+    let text = written(&path.finish().unwrap(), &Program::plain(MM), &cutting(), &[]).unwrap().text;
     let kinds: Vec<_> = Reader::new(&text, DIALECTS[0], 0.0015)
         .filter_map(|placed| match placed.unwrap().step {
             Step::Feed { along, .. } => Some(matches!(along, Curve::Line(_))),

@@ -49,6 +49,11 @@ const LONG_WAY: f64 = PI / 4.0;
 /// The largest turn that counts as half a turn, radians: the excess allows for rounding.
 const HALF_A_TURN: f64 = PI + 1e-7;
 
+/// A place of an arc is the foot of a point if their angles about the centre differ by less than this,
+/// radians. Rounding makes them differ by some 1e-15. A place that was moved to an end of the arc, or into
+/// order, differs by more.
+const SAME_ANGLE: f64 = 1e-9;
+
 /// Steps of Newton's method to a foot on a helix.
 const FOOT_STEPS: usize = 6;
 
@@ -288,7 +293,7 @@ impl<'a> FramedCurve<'a> {
         let Self::Arc { radius, sweep, rise, .. } = self else { return None };
         let is_foot = |p: &Vector3<f64>, place: f64| {
             let angle = p.y.atan2(p.x) - sweep * place;
-            (angle - TAU * (angle / TAU).round()).abs() < 1e-9
+            (angle - TAU * (angle / TAU).round()).abs() < SAME_ANGLE
         };
         if *rise != 0.0
             || a.z != b.z

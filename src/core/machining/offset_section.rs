@@ -38,11 +38,28 @@ use boundary::{Boundary, BoundaryPoint};
 /// edge to meet the edges at its ends, and too small to show in any program.
 pub const INSET_MM: f64 = 1e-6;
 
+/// The largest part of the extent by which an outermost section may lie inside: on a part of micrometres the
+/// sections of both ends would otherwise meet.
+pub const INSET_PART: f64 = 1e-3;
+
 /// Largest number of points of one section. At 0.01 mm apart this is a section of ten metres.
 const POINT_LIMIT: usize = 1_000_000;
 
 /// Largest number of Newton steps for one point; two or three are usual.
 const NEWTON_LIMIT: usize = 12;
+
+/// How near to its plane Newton's method brings a point: mm, or a part of the largest coordinate if that is
+/// more. The first is a ten-thousandth of the smallest legal tolerance, the second a few units of rounding.
+const IN_PLANE_MM: f64 = 1e-10;
+const IN_PLANE_PART: f64 = 1e-15;
+
+/// How near a point comes to its place along the step, as a part of the step. Points may lie anywhere on the
+/// section, so that less accuracy does: it only makes the spacing uneven by this part.
+const ALONG_PART: f64 = 1e-6;
+
+/// How far beside a step a crossing may lie for rounding alone, as a part of 1 mm plus the largest
+/// coordinate. It is ten times above the accuracy of the points.
+const BESIDE_PART: f64 = 1e-9;
 
 /// Step length, mm, below which a section has reached the boundary.
 const SHORTEST_STEP_MM: f64 = 1e-9;
@@ -267,8 +284,7 @@ impl<'a> Sections<'a> {
         let predicted = here.jet.point + tangent * length;
         let mut place = *here;
         let mut residual = [here.jet.point[self.axis] - at, -length];
-        // A ten-thousandth of the smallest legal tolerance, or the rounding of large coordinates.
-        let accurate = 1e-10f64.max(1e-15 * here.jet.point.coords.amax());
+        let accurate = IN_PLANE_MM.max(IN_PLANE_PART * here.jet.point.coords.amax());
         for _ in 0..NEWTON_LIMIT {
             let (gu, gv) = (place.jet.du[self.axis], place.jet.dv[self.axis]);
             let (hu, hv) = (place.jet.du.dot(&tangent), place.jet.dv.dot(&tangent));
@@ -283,7 +299,7 @@ impl<'a> Sections<'a> {
             }
             place = self.place(u, v)?;
             residual = [place.jet.point[self.axis] - at, (place.jet.point - predicted).dot(&tangent)];
-            if residual[0].abs() <= accurate && residual[1].abs() <= 1e-6 * length + accurate {
+            if residual[0].abs() <= accurate && residual[1].abs() <= ALONG_PART * length + accurate {
                 return Some(place);
             }
         }
@@ -333,7 +349,8 @@ fn crossing_on_step(here: &Place, next: &Place, open: &[Crossing], spacing: Spac
     let step = next.jet.point - here.jet.point;
     let length = step.norm();
     // The section keeps within the chord height of the chord; the rest is for rounding.
-    let aside = 2.0 * spacing.chord_height_mm.min(length) + 1e-9 * (1.0 + here.jet.point.coords.amax());
+    let aside =
+        2.0 * spacing.chord_height_mm.min(length) + BESIDE_PART * (1.0 + here.jet.point.coords.amax());
     let passed = open.iter().enumerate().filter_map(|(k, crossing)| {
         let to = crossing.place.jet.point - here.jet.point;
         let along = to.dot(&step) / length;

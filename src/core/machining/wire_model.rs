@@ -24,9 +24,10 @@
 
 use nalgebra::Point3;
 
-use super::offset_section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
+use super::offset_section::{Chain, INSET_MM, INSET_PART, PlaneAt, SectionError, Sections, Spacing};
 use super::regularity::{self, Irregular};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::spacing::spaces;
 use crate::geometry::surface::{BezierSurface, Patch, Surface, span_of};
 
 /// A curve through points, mm.
@@ -257,7 +258,7 @@ fn sections(
     let [low, high] = sections.extent();
     let width = high - low;
     let n = count(width, job)?;
-    let inset = INSET_MM.min(1e-3 * width);
+    let inset = INSET_MM.min(INSET_PART * width);
     let spacing = Spacing { chord_height_mm: job.chord_height_mm, step_length_mm: f64::INFINITY };
     let mut wires = Vec::new();
     let mut points = 0;
@@ -281,7 +282,7 @@ fn sections(
 
 /// The number of equal spaces of at most the pitch over `length` mm.
 fn count(length: f64, job: &WireJob) -> Result<usize, WireError> {
-    let spaces = (length / job.pitch_mm - 1e-9).ceil().max(1.0);
+    let spaces = spaces(length, job.pitch_mm);
     if spaces >= job.wire_limit as f64 {
         return Err(WireError::TooManyWires {
             needed: (spaces as usize).saturating_add(1),

@@ -215,7 +215,7 @@ pub enum Caution {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::toolpath::program::{Custom, Resolution, SafeHome, Units};
+    use crate::toolpath::program::{Resolution, Units};
 
     const TOP: f64 = 10.0;
 
@@ -278,16 +278,8 @@ mod tests {
         let cutting = request().above(TOP).unwrap();
         let other = Tool { number: Some(3), length_offset: Some(4), ..Tool::ball(5.0) };
         let differs = Caution::LengthOffsetDiffers { number: 3, length_offset: 4 };
-        let program = |work_offset| Program {
-            resolution: Resolution { units: Units::Mm, decimals: 3 },
-            number: 1,
-            name: None,
-            block_numbers: false,
-            work_offset,
-            safe_home: SafeHome::None,
-            custom: Custom::default(),
-        };
-        let (given, none) = (program(Some(54)), program(None));
+        let none = Program::plain(Resolution { units: Units::Mm, decimals: 3 });
+        let given = Program { work_offset: Some(54), ..none.clone() };
         assert_eq!(cutting.cautions(Some(&other), &given), [Caution::NoSpindleSpeed, differs]);
         let turning = Cutting { spindle_rpm: Some(1000.0), ..cutting };
         let known = Tool { number: Some(7), ..Tool::ball(5.0) };

@@ -6,6 +6,9 @@ use nalgebra::Point3;
 
 use crate::geometry::curve::{Arc, Curve};
 
+/// The part by which chords are shorter than the tolerance allows: rounding must not push one over it.
+const ROUNDING: f64 = 1e-9;
+
 /// Why a curve is not flattened.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FlattenError {
@@ -35,8 +38,7 @@ pub fn flatten(
         Curve::Arc(arc) => (arc.sweep() / (2.0 * half_angle(arc, chord_tolerance_mm))).ceil().max(1.0),
         Curve::Parabola(parabola) => {
             let height = parabola.bend().norm() / 4.0;
-            // One rounding error more must not push a chord over the tolerance.
-            (height / chord_tolerance_mm * (1.0 + 1e-9)).sqrt().ceil().max(1.0)
+            (height / chord_tolerance_mm * (1.0 + ROUNDING)).sqrt().ceil().max(1.0)
         }
     };
     if chords >= limit as f64 {
@@ -62,8 +64,7 @@ fn half_angle(arc: &Arc, tolerance_mm: f64) -> f64 {
     let ratio = tolerance_mm / (2.0 * arc.radius());
     let angle =
         if arc.rise() == 0.0 { 2.0 * ratio.min(1.0).sqrt().asin() } else { 2.0 * (ratio / 1.01).sqrt() };
-    // One rounding error more must not push the sagitta over the tolerance.
-    (angle * (1.0 - 1e-9)).min(FRAC_PI_3)
+    (angle * (1.0 - ROUNDING)).min(FRAC_PI_3)
 }
 
 #[cfg(test)]

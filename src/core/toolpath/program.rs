@@ -49,6 +49,21 @@ pub struct Program {
     pub custom: Custom,
 }
 
+impl Program {
+    /// Program 1, without a name and without everything else that may be left out.
+    pub const fn plain(resolution: Resolution) -> Self {
+        Self {
+            resolution,
+            number: 1,
+            name: None,
+            block_numbers: false,
+            work_offset: None,
+            safe_home: SafeHome::None,
+            custom: Custom { header: Vec::new(), tool_change: Vec::new(), footer: Vec::new() },
+        }
+    }
+}
+
 /// Lines of your own in a program: words of a letter and a number, or a comment. A line may call programs and
 /// macros of yours. It may move axes only to places of the machine (G28, G30, G53; SUPA on Siemens; M91 in
 /// Klartext). It may not end or leave the program, nor change units or coordinates for later blocks. Only

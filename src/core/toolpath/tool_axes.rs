@@ -59,6 +59,10 @@ pub fn angle_between(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
 }
 
+/// The least sine of the angle between axes at which places between them are found by angles. Below it, the
+/// weights of both axes are nearly 0 by 0, and the mean differs from the great circle by less than rounding.
+const LEAST_SINE: f64 = 1e-9;
+
 /// Whether the great circle between two axes is not certain.
 pub fn are_opposite(a: &UnitVector3<f64>, b: &UnitVector3<f64>) -> bool {
     angle_between(a, b) >= OPPOSITE
@@ -68,9 +72,11 @@ pub fn are_opposite(a: &UnitVector3<f64>, b: &UnitVector3<f64>) -> bool {
 pub fn between(a: &UnitVector3<f64>, b: &UnitVector3<f64>, part: f64) -> UnitVector3<f64> {
     let (sine, cosine) = (a.cross(b).norm(), a.dot(b));
     let angle = sine.atan2(cosine);
-    // The weights of both axes become 0 by 0 at no angle; there the mean is as good.
-    let weights =
-        if sine > 1e-9 { [((1.0 - part) * angle).sin(), (part * angle).sin()] } else { [1.0 - part, part] };
+    let weights = if sine > LEAST_SINE {
+        [((1.0 - part) * angle).sin(), (part * angle).sin()]
+    } else {
+        [1.0 - part, part]
+    };
     UnitVector3::new_normalize(a.into_inner() * weights[0] + b.into_inner() * weights[1])
 }
 

@@ -18,7 +18,7 @@
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 use super::tokens::{Word, words};
-use super::{PathFault, PathTextError, Reading, coordinate, direction, feed};
+use super::{FEEDS_MM_PER_MIN, PathFault, PathTextError, Reading, coordinate, direction, feed};
 use crate::nc::{Distance, Effect, FeedMode, Modifier, Motion, Place, effect};
 use toolpathd_core::machine::{Joints, Machine};
 use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
@@ -114,6 +114,10 @@ struct Line {
     /// The name of a code that turns or moves the frame of coordinates by those of its line.
     frame: Option<String>,
 }
+
+/// Tips that are nearer to each other are the same, mm: far below what a program can say. The block then
+/// turns the axis about its tip, and its feed is that of the top.
+const SAME_TIP_MM: f64 = 1e-7;
 
 /// Names of codes that turn, move or scale the frame.
 const FRAMES: [&str; 9] = ["ROT", "AROT", "TRANS", "ATRANS", "MIRROR", "AMIRROR", "SCALE", "ASCALE", "PLANE"];
@@ -277,9 +281,10 @@ impl Reader<'_> {
             let per_minute = self.feed.filter(|_| has_feed).ok_or(PathFault::NoFeed)?;
             let length = (to.tip - from.tip).norm();
             let turned = angle_between(&to.axis, &from.axis) * self.top_mm;
-            let way = if length > 1e-7 { length } else { turned };
+            let way = if length > SAME_TIP_MM { length } else { turned };
+            let (slowest, fastest) = FEEDS_MM_PER_MIN.into_inner();
             // A block that moves nothing has no feed of its own.
-            return if way > 0.0 { feed((way * per_minute).clamp(1e-3, 1e6)) } else { feed(1.0) };
+            return if way > 0.0 { feed((way * per_minute).clamp(slowest, fastest)) } else { feed(1.0) };
         }
         match (self.feed, self.reading.feed) {
             (Some(own), _) => feed(own * self.unit_mm),

@@ -58,16 +58,8 @@ fn pass(path: &mut Builder, y: f64, wire: &[[f64; 2]]) {
 }
 
 fn deckel(path: &Toolpath, tool: &Tool, cutting: &Cutting, number: u32) -> Result<String, WriteError> {
-    let program = Program { number, ..program(MM) };
-    let job = ProgramJob {
-        program: &program,
-        tool: Some(tool),
-        cutting,
-        dialect: &DECKEL,
-        comments: &[],
-        warnings: &[],
-        five_axes: None,
-    };
+    let program = Program { number, ..Program::plain(MM) };
+    let job = ProgramJob { tool: Some(tool), ..ProgramJob::plain(&program, cutting, &DECKEL) };
     write(path, &job, &Budget::unlimited()).map(|program| program.text)
 }
 

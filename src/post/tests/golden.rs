@@ -4,7 +4,8 @@ use super::*;
 
 #[test]
 fn a_linuxcnc_program_reads_as_a_machinist_expects() {
-    let program = Program { name: Some("die 7 (rev. B)".into()), work_offset: Some(54), ..program(MM) };
+    let program =
+        Program { name: Some("die 7 (rev. B)".into()), work_offset: Some(54), ..Program::plain(MM) };
     let program = written(&sample(), &program, &cutting(), &["part_id: 4711".into()]).unwrap();
     let expected = "(PROGRAM: DIE 7 REV. B)\n(NOTE: PART_ID 4711)\n\
         (WRITTEN: FOR LINUXCNC - MM - 3 DECIMALS - WORK OFFSET G54)\n(TOOL: T3 H4 BALL DIAMETER 10.000 MM)\n\
@@ -25,7 +26,8 @@ fn a_linuxcnc_program_reads_as_a_machinist_expects() {
 
 #[test]
 fn a_fanuc_program_reads_as_a_machinist_expects() {
-    let program = Program { name: Some("die 7".into()), number: 501, work_offset: Some(55), ..program(MM) };
+    let program =
+        Program { name: Some("die 7".into()), number: 501, work_offset: Some(55), ..Program::plain(MM) };
     let text = written_in(&FANUC, &sample(), &program, &cutting(), &[]).unwrap().text;
     let expected = "%\nO0501 (DIE 7)\n(WRITTEN = FOR FANUC - MM - 3 DECIMALS - WORK OFFSET G55)\n\
         (TOOL = T3 H4 BALL DIAMETER 10.000 MM)\n\
@@ -47,7 +49,7 @@ fn the_tool_goes_home_along_z_before_it_is_changed_and_at_the_end() {
     for (safe_home, z, words) in
         [(SafeHome::G28, "Z0.000", "G91 G28 Z0.000\nG90\n"), (SafeHome::G53, "Z0.000", "G53 G0 Z0.000\n")]
     {
-        let program = Program { safe_home, work_offset: Some(54), ..program(MM) };
+        let program = Program { safe_home, work_offset: Some(54), ..Program::plain(MM) };
         for dialect in WORDS {
             let text = written_in(dialect, &sample(), &program, &cutting(), &[]).unwrap().text;
             assert!(text.contains(&format!("G54\n{words}T3 M6\n")), "{text}");
@@ -67,20 +69,23 @@ fn fanuc_refuses_numbers_that_its_control_does_not_read() {
         written_in(&FANUC, path, program, cutting, &[]).unwrap_err()
     };
     for number in [0, 10_000] {
-        let error = refused(&sample(), &Program { number, ..program(MM) }, &cutting());
+        let error = refused(&sample(), &Program { number, ..Program::plain(MM) }, &cutting());
         assert_eq!(error, WriteError::ProgramNumber { number, max: 9999 });
     }
     let fast = Cutting { spindle_rpm: Some(100_000.0), ..cutting() };
-    assert_eq!(refused(&sample(), &program(MM), &fast), WriteError::SpindleSpeed { rpm: 100_000.0 });
+    assert_eq!(refused(&sample(), &Program::plain(MM), &fast), WriteError::SpindleSpeed { rpm: 100_000.0 });
     // 99999.999 mm has eight digits, 100 m has nine.
     let reach = |x: f64| {
         let mut path = Toolpath::builder(Point3::origin());
         path.line(Point3::new(x, 0.0, 0.0), feed(100.0), Role::Cut).unwrap();
         path.finish().unwrap()
     };
-    assert_eq!(refused(&reach(-100_000.0), &program(MM), &cutting()), WriteError::TooManyDigits { limit: 8 });
-    assert!(written_in(&FANUC, &reach(-99_999.999), &program(MM), &cutting(), &[]).is_ok());
-    let error = refused(&sample(), &program(Resolution { units: Units::Mm, decimals: 5 }), &cutting());
+    assert_eq!(
+        refused(&reach(-100_000.0), &Program::plain(MM), &cutting()),
+        WriteError::TooManyDigits { limit: 8 }
+    );
+    assert!(written_in(&FANUC, &reach(-99_999.999), &Program::plain(MM), &cutting(), &[]).is_ok());
+    let error = refused(&sample(), &Program::plain(Resolution { units: Units::Mm, decimals: 5 }), &cutting());
     assert_eq!(error, WriteError::Decimals { decimals: 5, max: 4 });
 }
 
@@ -89,15 +94,11 @@ fn a_header_is_in_the_units_of_the_program_and_a_page_at_most() {
     let bull_nose = Tool { shape: Shape::BullNose { corner_radius_mm: 1.27 }, radius_mm: 6.35, ..TOOL };
     let notes: Vec<String> = (0..100).map(|k| format!("note {k} {}", "x".repeat(1000))).collect();
     for dialect in WORDS {
-        let (program, cutting) = (program(INCH), cutting());
+        let (program, cutting) = (Program::plain(INCH), cutting());
         let job = ProgramJob {
-            program: &program,
             tool: Some(&bull_nose),
-            cutting: &cutting,
-            dialect,
             comments: &notes,
-            warnings: &[],
-            five_axes: None,
+            ..ProgramJob::plain(&program, &cutting, dialect)
         };
         let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
         let header: Vec<&str> = text.lines().filter(|line| line.starts_with('(')).collect();

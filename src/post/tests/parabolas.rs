@@ -24,7 +24,7 @@ fn wave() -> Toolpath {
 
 #[test]
 fn linuxcnc_writes_parabolas_as_splines_with_every_word_on_every_block() {
-    let text = written(&wave(), &program(MM), &cutting(), &[]).unwrap().text;
+    let text = written(&wave(), &Program::plain(MM), &cutting(), &[]).unwrap().text;
     let expected = "\nG18 G3 X2.000 Z1.000 I1.000 K0.000 F200\n\
         G17 G5.1 X12.000 Y0.000 I5.000 J4.000 F800\nG5.1 X12.000 Y6.000 I3.000 J3.000\n\
         G1 X4.000 F500\nY8.000\nG0 Z45.000\n";
@@ -40,7 +40,7 @@ fn linuxcnc_writes_parabolas_as_splines_with_every_word_on_every_block() {
 
 #[test]
 fn fanuc_writes_parabolas_as_lines_within_its_rounding() {
-    let written = written_in(&FANUC, &wave(), &program(MM), &cutting(), &[]).unwrap();
+    let written = written_in(&FANUC, &wave(), &Program::plain(MM), &cutting(), &[]).unwrap();
     assert!(!written.text.contains("G5.1") && written.max_displacement_mm <= 0.0015);
     lies_along(&wave(), &written.text, &FANUC, 0.0015);
 }
@@ -73,18 +73,10 @@ fn lies_along(path: &Toolpath, text: &str, dialect: &Dialect, limit_mm: f64) {
 
 #[test]
 fn a_changed_spline_fails_the_check() {
-    let program = program(MM);
+    let program = Program::plain(MM);
     let cutting = cutting();
     let dialect = DIALECTS[0];
-    let job = ProgramJob {
-        program: &program,
-        tool: Some(&TOOL),
-        cutting: &cutting,
-        dialect,
-        comments: &[],
-        warnings: &[],
-        five_axes: None,
-    };
+    let job = ProgramJob { tool: Some(&TOOL), ..ProgramJob::plain(&program, &cutting, dialect) };
     let blocks = lower::lower(&wave(), &job, &Budget::unlimited()).unwrap();
     let text = write(&wave(), &job, &Budget::unlimited()).unwrap().text;
     for (from, to, what) in [
@@ -111,7 +103,7 @@ fn a_rising_parabola_becomes_lines_and_a_large_parabola_several_splines() {
         let mut path = Toolpath::builder(Point3::origin());
         path.parabola(to.into(), control.into(), feed(100.0), Role::Cut).unwrap();
         let path = path.finish().unwrap();
-        let program = written(&path, &program(MM), &cutting(), &[]).unwrap();
+        let program = written(&path, &Program::plain(MM), &cutting(), &[]).unwrap();
         assert!(program.max_displacement_mm <= 0.0015);
         lies_along(&path, &program.text, DIALECTS[0], 0.0015);
         let splines = program.text.matches("G5.1").count();
@@ -131,7 +123,7 @@ fn a_cutting_move_without_a_feed_is_refused() {
     path.parabola(Point3::new(2.0, 0.0, 0.0), Point3::new(1.0, 1.0, 0.0), None, Role::Cut).unwrap();
     let path = path.finish().unwrap();
     for dialect in WORDS {
-        let refused = written_in(dialect, &path, &program(MM), &cutting(), &[]);
+        let refused = written_in(dialect, &path, &Program::plain(MM), &cutting(), &[]);
         assert_eq!(refused, Err(WriteError::FeedMissing));
     }
 }
@@ -150,7 +142,7 @@ proptest! {
             path.parabola(to, control, feed(300.0), Role::Cut).unwrap();
         }
         let path = path.finish().unwrap();
-        let written = written_in(dialect, &path, &program(MM), &cutting(), &[]).unwrap();
+        let written = written_in(dialect, &path, &Program::plain(MM), &cutting(), &[]).unwrap();
         prop_assert!(written.max_displacement_mm <= 0.0015);
         lies_along(&path, &written.text, dialect, 0.0015);
         let length: f64 = Reader::new(&written.text, dialect, 0.0015)
@@ -172,7 +164,7 @@ fn a_parabola_that_turns_back_is_cut_to_its_turning_point() {
     path.parabola(turning.end(), turning.control(), feed(100.0), Role::Cut).unwrap();
     let path = path.finish().unwrap();
     for dialect in WORDS {
-        let text = written_in(dialect, &path, &program(MM), &cutting(), &[]).unwrap().text;
+        let text = written_in(dialect, &path, &Program::plain(MM), &cutting(), &[]).unwrap().text;
         assert!(text.contains("X5.33") && !text.contains("G5.1"), "{text}");
     }
 }

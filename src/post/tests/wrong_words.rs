@@ -181,7 +181,7 @@ fn a_wrong_word_of_a_dialect_is_refused() {
 fn write_all(dialect: &Dialect) -> Result<NcProgram, WriteError> {
     let home =
         if dialect.abilities.safe_homes.contains(&SafeHome::G53) { SafeHome::G53 } else { SafeHome::None };
-    let program = Program { work_offset: Some(54), safe_home: home, ..program(MM) };
+    let program = Program { work_offset: Some(54), safe_home: home, ..Program::plain(MM) };
     let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 12.0));
     path.line(Point3::origin(), feed(400.0), Role::Plunge).unwrap();
     path.parabola(Point3::new(20.0, 0.0, 0.0), Point3::new(10.0, 8.0, 0.0), feed(400.0), Role::Cut).unwrap();

@@ -108,6 +108,7 @@ fn host_and_port(text: &str) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use clap::Parser;
+    use clap::error::ErrorKind;
 
     use super::*;
     use crate::config::{Cli, Command, Dnc};
@@ -121,29 +122,38 @@ mod tests {
     }
 
     #[test]
-    fn flags_name_the_line_the_handshake_and_the_tape() {
-        let all = "--port /dev/ttyUSB0 --baud 4800 --format 7e1 --flow xon-xoff --unpaced --ends crlf --marks as-is \
-                   --leader 7 --trailer 9 --wait-for-xon --patience 30 part.nc";
-        let target = sending(all).expect("flags").target().expect("a target");
-        let mut settings = Settings::default();
-        for (name, value) in Settings::NAMES
-            .iter()
-            .zip(["4800", "7e1", "xon-xoff", "true", "crlf", "as-is", "7", "9", "true", "30"])
-        {
+    fn each_flag_sets_the_setting_of_its_name_and_no_other() {
+        let defaults = sending("--port /dev/ttyUSB0 part.nc").expect("flags").target().expect("a target");
+        let serial = Address::Serial("/dev/ttyUSB0".to_owned());
+        assert_eq!(defaults, Target { address: serial.clone(), settings: Settings::default() });
+        let values: [&str; Settings::NAMES.len()] =
+            ["4800", "7e1", "none", "true", "crlf", "as-is", "7", "9", "true", "30"];
+        for (name, value) in Settings::NAMES.iter().zip(values) {
+            let flag = if value == "true" { format!("--{name}") } else { format!("--{name} {value}") };
+            let sending = sending(&format!("--port /dev/ttyUSB0 {flag} part.nc")).expect(name);
+            let mut settings = Settings::default();
             settings.set(name, value).expect("a legal value");
+            assert_ne!(settings, Settings::default(), "`{value}` is the default of {name}");
+            let target = sending.target().expect("a target");
+            assert_eq!(target, Target { address: serial.clone(), settings }, "{flag}");
         }
-        assert_eq!(target, Target { address: Address::Serial("/dev/ttyUSB0".to_owned()), settings });
         let short = sending("--tcp box:4001 part.nc").expect("flags").target().expect("a target");
-        assert_eq!(short.settings, Settings::default());
+        let address = Address::Tcp("box:4001".to_owned());
+        assert_eq!(short, Target { address, settings: Settings::default() });
     }
 
     #[test]
     fn a_line_is_needed_and_flags_that_contradict_each_other_are_refused() {
-        for wrong in
-            ["part.nc", "--port a --tcp b:1 part.nc", "--tcp b part.nc", "--port a", "--port a --flow dtr x"]
-        {
-            assert!(sending(wrong).is_err(), "{wrong}");
+        for (wrong, kind) in [
+            ("part.nc", ErrorKind::MissingRequiredArgument),
+            ("--port a", ErrorKind::MissingRequiredArgument),
+            ("--port a --tcp b:1 part.nc", ErrorKind::ArgumentConflict),
+            ("--tcp b part.nc", ErrorKind::ValueValidation),
+            ("--port a --flow dtr x", ErrorKind::ValueValidation),
+        ] {
+            assert_eq!(sending(wrong).expect_err(wrong).kind(), kind, "{wrong}");
         }
-        assert!(sending("--tcp b:1 --flow rts-cts x").expect("flags").target().is_err());
+        let target = sending("--tcp b:1 --flow rts-cts x").expect("flags").target();
+        assert!(target.expect_err("no wires over TCP").contains("no RTS and CTS"));
     }
 }

@@ -56,6 +56,7 @@ async fn the_model_of_a_cylinder_equals_closed_forms() {
     assert_eq!(report["fit_deviation_max_mm"], Value::Null);
     let wires = report["wires"].as_array().expect("wires");
     assert_eq!(wires.len(), 7);
+    assert!(wires.iter().all(|wire| wire.as_array().is_some_and(|points| points.len() >= 2)));
     for point in wires.iter().flat_map(|wire| wire.as_array().expect("a wire")) {
         let [x, z] = [0, 2].map(|c| point[c].as_f64().expect("a number"));
         assert!((x.hypot(z) - 40.0).abs() < 1e-9, "{point} of a wire is not on the cylinder");

@@ -53,6 +53,7 @@ async fn the_sweep_of_an_arc_along_a_line_is_a_cylinder() {
     assert_eq!(report["fit_deviation_max_mm"], Value::Null);
     let wires = report["wires"].as_array().expect("wires");
     assert_eq!(wires.len(), 7);
+    assert!(wires.iter().all(|wire| wire.as_array().is_some_and(|points| points.len() >= 2)));
     for [x, _, z] in wires.iter().flat_map(|wire| wire.as_array().expect("a wire")).map(numbers) {
         let off = if z > 0.0 { x.hypot(z) } else { x.abs() } - 20.0;
         assert!(off.abs() < 1e-12, "a wire is off the surface at x = {x}, z = {z}");

@@ -55,6 +55,17 @@ impl Way {
         }
     }
 
+    /// The direction of motion at the distance `s` (mm) along the way.
+    pub fn direction(&self, s: f64) -> Vector2<f64> {
+        match *self {
+            Self::Line { from, to } => (to - from).normalize(),
+            Self::Arc { center, sweep, .. } => {
+                let spoke = self.at(s) - center;
+                Vector2::new(-spoke.y, spoke.x).normalize() * sweep.signum()
+            }
+        }
+    }
+
     pub fn distance(&self, p: Vector2<f64>) -> f64 {
         match *self {
             Self::Line { from, to } => {

@@ -22,11 +22,13 @@ async fn a_path_beside_the_profile_has_no_tiny_moves_and_no_nearly_straight_arcs
             body["band"]["below_mm"] = below.into();
             let answer = answer(&body).await;
             let mut at = place(&answer["toolpath"]["start"]);
+            let mut n_cuts = 0;
             for step in answer["toolpath"]["passes"].as_array().expect("passes").iter() {
                 for step in step["moves"].as_array().expect("moves") {
                     let to = place(&step["to"]);
                     let length = (to[0] - at[0]).hypot(to[1] - at[1]);
                     if step["role"] == "cut" {
+                        n_cuts += 1;
                         assert!(length > 0.04, "{side} {below}: {step} is {length} mm long");
                     }
                     // In a narrower band the flank may be an arc of a large radius.
@@ -38,6 +40,7 @@ async fn a_path_beside_the_profile_has_no_tiny_moves_and_no_nearly_straight_arcs
                     at = to;
                 }
             }
+            assert!(n_cuts >= 10, "{side} {below}: only {n_cuts} cuts");
         }
     }
 }

@@ -20,7 +20,7 @@ fn point(value: &Value) -> [f64; 2] {
     [number(&value[0]), number(&value[1])]
 }
 
-/// The cutting moves of an answer in order, each as a polyline of many points.
+/// The cutting moves of an answer in order, each as a polyline of many points. Fails if there are none.
 pub fn moves(answer: &Value) -> Vec<Vec<[f64; 2]>> {
     let mut at = point(&answer["toolpath"]["start"]);
     let mut paths = Vec::new();
@@ -32,6 +32,7 @@ pub fn moves(answer: &Value) -> Vec<Vec<[f64; 2]>> {
         }
         at = to;
     }
+    assert!(!paths.is_empty(), "no cutting moves");
     paths
 }
 

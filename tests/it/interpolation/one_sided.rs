@@ -61,7 +61,9 @@ const fn case(
 fn verified(answer: &Value, case: &Case) -> usize {
     let curve = Curve { point: &|x| [x, (case.value)(x)], domain: case.domain };
     let elements = answer["report"]["elements"].as_array().expect("elements");
-    for (path, element) in moves(answer).iter().zip(elements) {
+    let moves = moves(answer);
+    assert_eq!(moves.len(), elements.len());
+    for (path, element) in moves.iter().zip(elements) {
         let found = curve.deviation(path, domain(element));
         let stated = element["deviation_mm"].as_f64().expect("a deviation");
         assert!(

@@ -248,6 +248,7 @@ async fn sound_with_allowance(heights: &Heights, cut: &Cut, allowance_mm: f64) -
     let request = with(&request, "roughing_allowance_mm", json!(allowance_mm));
     let answer = sound(&app(), cut, &request, &heights.part(None)).await;
     let mut top = 0.0;
+    assert_eq!(floors(&answer).last(), Some(&cut.floor_mm));
     for level in answer["report"]["levels"].as_array().expect("levels") {
         let [z, reported] = ["z_mm", "leftover_max_mm"].map(|name| level[name].as_f64().expect("a length"));
         let found = heights.leftover_mm(top, z);

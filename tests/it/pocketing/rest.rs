@@ -84,7 +84,10 @@ async fn after_an_emptied_region_only_the_corners_are_cut() {
     assert_short(&rest, &whole);
     // The cutter stays within its diameter of the corners that the large cutter leaves.
     let reach = LARGE.radius_mm() + SMALL.diameter_mm;
-    for step in steps(&rest).iter().filter(|step| step.role.is_some()) {
+    let steps = steps(&rest);
+    let feeds: Vec<_> = steps.iter().filter(|step| step.role.is_some()).collect();
+    assert!(feeds.len() > 8, "{} feed moves for two levels of four corners", feeds.len());
+    for step in feeds {
         let [x, y] = step.piece.at(1.0);
         let is_near = x.min(100.0 - x) < reach && y.min(60.0 - y) < reach;
         assert!(is_near, "{step:?} is far from the corners");
@@ -132,6 +135,7 @@ async fn every_pattern_cuts_the_rest() {
     for pattern in ALL {
         let rest_request = with(&request(&SMALL, &[pattern], &region), "cleared", cleared.clone());
         let rest = sound(&app, &SMALL, &rest_request, &part, &stock).await;
+        assert_eq!(floors(&rest), [-4.0, -8.0]);
         for level in rest["report"]["levels"].as_array().expect("levels") {
             assert_eq!(level["chosen"], pattern);
             assert_eq!(level["candidates"][0]["valid"], true, "{level}");

@@ -11,6 +11,7 @@ use toolpathd_core::operations::surface_milling::{
 use toolpathd_core::toolpath::{Move, Role};
 
 use super::jobs::{PLANES, die, heights, job};
+use super::motion::{Kind, planned};
 use super::verdict::judge;
 
 const BALL: f64 = 5.0;
@@ -71,7 +72,9 @@ fn over_a_block_rapids_and_the_retract_plane_are_two_millimetres_above_block_and
         let (plan, _) = judge(&Job { stock: Some(Stock::Block { top_z_mm }), ..cap() }).unwrap();
         let top = top_z_mm.max(CAP);
         assert!((plan.cutting.retract_z_mm - top - 2.0).abs() < 1e-3);
-        for (end, ..) in descents(&plan) {
+        let descents = descents(&plan);
+        assert_eq!(descents.len(), plan.report.n_passes);
+        for (end, ..) in descents {
             let tip = tip_over_cap(&end, 0.0);
             assert!(
                 (end.z - (top_z_mm + 2.0).max(tip + 2.0)).abs() < 0.02,
@@ -90,7 +93,9 @@ fn a_rapid_beside_a_wall_ends_above_the_stock_of_the_wall() {
     let base = Job { stock, direction: CutDirection::OneWay, ..job(surface, 8.0, 4.0, 0.01, 3) };
     let plan = plan(&Job { plane: PLANES[1], ..base.clone() }, &Budget::unlimited()).unwrap();
     // The stock begins where a ball larger by its thickness touches the surface.
-    for (end, along, _) in descents(&plan) {
+    let descents = descents(&plan);
+    assert_eq!(descents.len(), plan.report.n_passes);
+    for (end, along, _) in descents {
         let free = end.z - along.end().z;
         assert!(free > 3.99, "the rapid to {end} ends only {free} mm above the cut");
         // A ball 2 mm below the end of the rapid does not touch the stock: no place of the surface is within
@@ -173,13 +178,17 @@ fn an_entry_without_room_becomes_a_plunge_with_a_warning() {
     let job = Job { entry, ..die(PLANES[0], CutDirection::OneWay) };
     let plan = plan(&job, &Budget::unlimited()).unwrap();
     assert!(plan.warnings.contains(&Warning::EntryNotClear { count: plan.report.n_passes }));
-    assert!(descents(&plan).iter().all(|(_, _, role)| *role == Role::Plunge));
+    let descents = descents(&plan);
+    assert_eq!(descents.len(), plan.report.n_passes);
+    assert!(descents.iter().all(|(_, _, role)| *role == Role::Plunge));
 }
 
 #[test]
 fn neighbouring_passes_of_the_die_are_joined_by_links_and_not_by_rapids() {
     for plane in PLANES {
         let (plan, _) = judge(&die(plane, CutDirection::Zigzag)).unwrap();
+        let n_links = planned(&plan).iter().flatten().filter(|(kind, _)| *kind == Kind::Link).count();
+        assert!(n_links > plan.report.n_passes / 2, "{n_links} links, {} passes", plan.report.n_passes);
         for step in plan.toolpath.moves() {
             let Move::Rapid { line } = step else { continue };
             let across = (line.end - line.start).xy().norm();

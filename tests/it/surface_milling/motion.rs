@@ -6,7 +6,7 @@ use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::curve::{Curve, Direction};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::operations::surface_milling::{Job, Plan};
-use toolpathd_core::toolpath::program::{Custom, Program, SafeHome};
+use toolpathd_core::toolpath::program::Program;
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{Move, Role};
 use toolpathd_post::ProgramJob;
@@ -153,25 +153,9 @@ pub fn planned(plan: &Plan) -> Vec<Vec<(Kind, Motion)>> {
 /// A motion at the plunge feed is a plunge. A motion that equals a link or a lead of the plan is of that
 /// kind. Every other feed motion is a cut.
 pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
-    let program = Program {
-        resolution: job.resolution,
-        number: 1,
-        name: None,
-        block_numbers: false,
-        work_offset: None,
-        safe_home: SafeHome::None,
-        custom: Custom::default(),
-    };
+    let program = Program::plain(job.resolution);
     let dialect = toolpathd_post::dialect("linuxcnc").unwrap();
-    let target = ProgramJob {
-        program: &program,
-        tool: Some(&job.tool),
-        cutting: &plan.cutting,
-        dialect,
-        comments: &[],
-        warnings: &[],
-        five_axes: None,
-    };
+    let target = ProgramJob { tool: Some(&job.tool), ..ProgramJob::plain(&program, &plan.cutting, dialect) };
     let text = toolpathd_post::write(&plan.toolpath, &target, &Budget::unlimited()).unwrap().text;
     let step = job.resolution.step_mm();
     let beside: Vec<(Kind, Motion)> =

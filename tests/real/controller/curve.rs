@@ -7,7 +7,7 @@ use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::deviation::{Band, Measure};
 use toolpathd_core::operations::interpolation::{Job, Joints, Method, Source, Subdivision, plan};
 use toolpathd_core::toolpath::cutting::CuttingRequest;
-use toolpathd_core::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
+use toolpathd_core::toolpath::program::{Program, Resolution, Units};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_post::{ProgramJob, dialect};
 
@@ -53,27 +53,11 @@ pub fn check(directory: &Path) -> Result<String, String> {
         ..Job::new(curve, Method::Parabolic, Subdivision::Least(Joints::OnCurve), band)
     };
     let plan = plan(&job, &Budget::unlimited()).map_err(|error| error.to_string())?;
-    let program = Program {
-        resolution,
-        number: 1,
-        name: None,
-        block_numbers: false,
-        work_offset: None,
-        safe_home: SafeHome::None,
-        custom: Custom::default(),
-    };
+    let program = Program::plain(resolution);
     let cutting = plan.cutting.ok_or("no conditions")?;
     let written = toolpathd_post::write(
         &plan.toolpath,
-        &ProgramJob {
-            program: &program,
-            tool: None,
-            cutting: &cutting,
-            dialect: linuxcnc,
-            comments: &[],
-            warnings: &[],
-            five_axes: None,
-        },
+        &ProgramJob::plain(&program, &cutting, linuxcnc),
         &Budget::unlimited(),
     )
     .map_err(|error| error.to_string())?;

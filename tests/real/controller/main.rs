@@ -32,7 +32,7 @@ use std::{env, fs, process, thread};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::cutting::{Coolant, Cutting};
-use toolpathd_core::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
+use toolpathd_core::toolpath::program::{Program, Resolution, SafeHome, Units};
 use toolpathd_core::toolpath::tool::Tool;
 use toolpathd_post::{DIALECTS, Dialect, ProgramJob};
 
@@ -101,13 +101,10 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
             Resolution { units: Units::Mm, decimals: 3 }
         };
         let program = Program {
-            resolution,
-            number: 1,
             name: Some(format!("random {seed}")),
             block_numbers: seed.is_multiple_of(7),
             work_offset: seed.is_multiple_of(3).then_some(54),
-            safe_home: SafeHome::None,
-            custom: Custom::default(),
+            ..Program::plain(resolution)
         };
         let dialect = dialects()[seed % dialects().len()];
         let can = dialect.abilities;
@@ -115,15 +112,7 @@ fn check_random(directory: &Path, next: &AtomicUsize) -> Result<compare::Figures
         let tool = Tool { length_offset, ..case.tool };
         let coolant = Some(case.cutting.coolant).filter(|coolant| can.coolants.contains(coolant));
         let cutting = Cutting { coolant: coolant.unwrap_or(Coolant::Off), ..case.cutting };
-        let job = ProgramJob {
-            program: &program,
-            tool: Some(&tool),
-            cutting: &cutting,
-            dialect,
-            comments: &[],
-            warnings: &[],
-            five_axes: None,
-        };
+        let job = ProgramJob { tool: Some(&tool), ..ProgramJob::plain(&program, &cutting, dialect) };
         let name = format!("random{seed}-{}", dialect.name);
         let found = toolpathd_post::write(&case.toolpath, &job, &Budget::unlimited())
             .map_err(|error| error.to_string())

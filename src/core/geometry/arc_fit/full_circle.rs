@@ -24,7 +24,11 @@ const ROUNDS: usize = 40;
 /// corners of a polygon.
 const WIDEST_GAP: f64 = std::f64::consts::PI / 6.0;
 
-/// A circle and the sense in which the points pass it.
+/// A circle and the sense in which the points pass it. How far the turn of points about a centre may differ
+/// from one turn, radians. The points are closed, so that they turn by a whole number of turns but for
+/// rounding.
+const ONE_TURN: f64 = 1e-6;
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FullCircle {
     pub center: Vector2<f64>,
@@ -103,7 +107,7 @@ fn sense(points: &[Vector2<f64>], center: Vector2<f64>, radius: f64, tolerance: 
             goes_back[k] |= way + half_width < first[k];
         }
     }
-    let is_once = (turned.abs() - std::f64::consts::TAU).abs() < 1e-6;
+    let is_once = (turned.abs() - std::f64::consts::TAU).abs() < ONE_TURN;
     let is_ccw = turned > 0.0;
     (is_once && !goes_back[usize::from(!is_ccw)]).then_some(is_ccw)
 }

@@ -13,6 +13,11 @@ use crate::geometry::segment::Segment;
 /// Rounding of a foot and its distance, as a part of the largest coordinate: a few dozen operations.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
+/// What the sine of a cone is widened by for rounding: a part of it, and a sine of a few units of rounding,
+/// for tangents that agree.
+const SINE_PART: f64 = 1e-12;
+const SINE_LEAST: f64 = 1e-15;
+
 /// Feet this far beyond an end of the element count as at the end, in units of `u`.
 const END_ROUNDING: f64 = 1e-12;
 
@@ -99,7 +104,8 @@ impl<C: PlaneCurve> Gauge for Normal<'_, C> {
             return None;
         }
         let along = sum / length;
-        let cone = Cone { along, sine: (0.5 * (a.tangent - b.tangent).norm()) * (1.0 + 1e-12) + 1e-15 };
+        let half_way = 0.5 * (a.tangent - b.tangent).norm();
+        let cone = Cone { along, sine: half_way * (1.0 + SINE_PART) + SINE_LEAST };
         let speed = cone.along(first);
         if speed.lo() <= 0.0 {
             return None;

@@ -42,6 +42,9 @@ const NO_SIZE: f64 = 1e-6;
 /// concave has a largest curvature near zero, so [`GAP_SHARE`] of it is too small a gap.
 const GAP_FLAT: f64 = 1e-3;
 
+/// Rounding of the first fundamental form at the centre, which is the identity: some 40 units.
+const FORM_ROUNDING: f64 = 1e-14;
+
 /// Bounds of both principal curvatures over a part, 1/mm: below the smaller and above the larger one. `None`
 /// where the balls of the derivatives are too wide for bounds.
 pub fn bounds(derivatives: &DerivativeBounds) -> Option<[f64; 2]> {
@@ -65,7 +68,7 @@ pub fn bounds(derivatives: &DerivativeBounds) -> Option<[f64; 2]> {
 
     // First fundamental form: the identity, with an error of at most this in each entry.
     let stretch = da.radius.max(db.radius);
-    let form_error = 2.0 * (2.0 * stretch + stretch * stretch + 1e-14);
+    let form_error = 2.0 * (2.0 * stretch + stretch * stretch + FORM_ROUNDING);
     if form_error.is_nan() || form_error >= 0.5 {
         return None;
     }

@@ -291,13 +291,15 @@ proptest! {
             let (u, v) = ((three[1] - three[0]), (three[2] - three[1]));
             let half_turn = 0.5 * u.angle(&v);
             if u.norm() < 0.1 || v.norm() < 0.1 || !(0.01..1.5).contains(&half_turn) {
-                return Ok(());
+                return Err(TestCaseError::reject("a line too short or a turn too sharp for an arc"));
             }
             let radius = u.norm().min(v.norm()) / 3.0 / half_turn.tan();
             text += &format!(" r({:?},{:?},{radius:?})", three[1].x, three[1].y);
         }
         text += &format!(" l({:?},{:?})", p[p.len() - 1].x, p[p.len() - 1].y);
         let curve = plane(&text).curve().unwrap();
+        // Each arc begins and ends with a break, and an arc of more than a right angle has more of them.
+        prop_assert!(curve.breaks().len() >= 2 * (p.len() - 2));
         for t in curve.breaks() {
             let (before, after) = (curve.derivative(t.next_down()), curve.derivative(*t));
             prop_assert!(before.normalize().perp(&after.normalize()).abs() < 1e-11);

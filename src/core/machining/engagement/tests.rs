@@ -93,6 +93,7 @@ fn a_narrow_ridge_between_two_passes_is_found() {
     assert!(!swept.is_free(Point2::new(20.0, 5.01), 0.004));
     let along = line([0.0, 5.01], [40.0, 5.01]);
     let stretches = swept.survey(&along, Enough::Angle(0.0), &Budget::unlimited()).unwrap();
+    assert!(!stretches.is_empty());
     assert!(stretches.iter().all(|stretch| (0.003..0.02).contains(&stretch.angle)), "{stretches:?}");
 }
 
@@ -119,6 +120,7 @@ fn no_angle_inside_a_stretch_is_above_its_bound() {
     let arc = Segment::bulging(Point2::new(-25.0, -6.0), Point2::new(24.0, 9.0), 0.4);
     for motion in [arc, line([-25.0, 3.0], [25.0, -4.0])] {
         let stretches = swept.survey(&motion, Enough::Angle(0.0), &Budget::unlimited()).unwrap();
+        assert!(!stretches.is_empty());
         for stretch in stretches {
             for k in 0..=10 {
                 let t = stretch.from + (stretch.to - stretch.from) * f64::from(k) / 10.0;

@@ -20,6 +20,10 @@ const WANTED: f64 = 0.999;
 /// both directions.
 const FIRST: f64 = 1.0 / 0.375;
 
+/// The least sine of half a turn in the estimate of the first distance. At a corner without a turn the sine
+/// is zero, and the room decides alone: the estimate is then longer than any block.
+const LEAST_SINE: f64 = 1e-9;
+
 /// Blends that are shorter gain nothing over a stop, mm.
 const SHORTEST_MM: f64 = 1e-5;
 
@@ -42,7 +46,7 @@ pub fn blend(
     let ends = [before.last()?.span.to, after.first()?.span.from];
     let turn = angle_between(&blocks[0].direction(), &blocks[1].direction());
     let room = ROOM * blocks[0].length.min(blocks[1].length);
-    let mut distance = room.min(FIRST * WANTED * tolerance.tip_mm / (0.5 * turn).sin().max(1e-9));
+    let mut distance = room.min(FIRST * WANTED * tolerance.tip_mm / (0.5 * turn).sin().max(LEAST_SINE));
     for _ in 0..TRIALS {
         if distance < SHORTEST_MM {
             break;

@@ -20,6 +20,13 @@ const GAUSS: [[f64; 2]; 4] = [
 /// Newton steps to the parameter at a time; the speed hardly changes along a span, so two or three do.
 const STEPS: usize = 30;
 
+/// The largest last Newton step to a parameter, as a part of its span. Smaller steps are rounding of the way.
+const LAST_STEP: f64 = 1e-13;
+
+/// The part by which a duration is shortened before its periods are counted. It is above rounding, so that
+/// a duration of whole periods has one sample at its end and not two.
+const ROUNDING: f64 = 1e-12;
+
 /// Samples between two checks of the budget.
 const BETWEEN_CHECKS: usize = 1024;
 
@@ -77,7 +84,7 @@ impl<'a> ConstantFeed<'a> {
     /// Places at times that are `period_s` apart, and the end. The last step may be shorter.
     pub fn samples(&self, period_s: f64, budget: &Budget) -> Result<Vec<Sample>, Stopped> {
         let duration = self.duration_s();
-        let count = (duration / period_s * (1.0 - 1e-12)).floor() as usize;
+        let count = (duration / period_s * (1.0 - ROUNDING)).floor() as usize;
         let mut samples = Vec::with_capacity(count + 2);
         let mut k = 0;
         for n in 0..=count {
@@ -130,7 +137,7 @@ fn parameter(span: &Span, rests: bool, wanted: f64) -> f64 {
             low = u
         }
         let step = excess / speed(span, rests, u);
-        if step.abs() <= 1e-13 * (span.to - span.from) || high - low <= f64::EPSILON * span.to.abs() {
+        if step.abs() <= LAST_STEP * (span.to - span.from) || high - low <= f64::EPSILON * span.to.abs() {
             break;
         }
         u -= step;

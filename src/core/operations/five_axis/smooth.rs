@@ -48,6 +48,10 @@ const LONG: f64 = 3.0;
 /// The distances of the points on a long block grow by this factor.
 const GROWTH: f64 = 2.5;
 
+/// Points of a block that are nearer to each other are one point, mm: the points that are added from both
+/// ends may meet those that the block has. The parts of a block need a length above rounding.
+const ONE_POINT_MM: f64 = 1e-6;
+
 /// Turns above this angle are reversals, radians.
 const REVERSAL: f64 = 2.6;
 
@@ -307,7 +311,7 @@ impl<'a> Smoother<'a> {
         }
         parts.extend(self.inner[block].iter().map(|inner| inner.part));
         parts.sort_by(f64::total_cmp);
-        parts.dedup_by(|a, b| (*a - *b) * own.length < 1e-6);
+        parts.dedup_by(|a, b| (*a - *b) * own.length < ONE_POINT_MM);
         self.inner[block] = parts.into_iter().map(|part| Inner { part, at: own.at(part) }).collect();
         true
     }

@@ -98,6 +98,7 @@ pub(super) fn limits_of(axis: char) -> [f64; 3] {
 fn assert_driven(name: &str, job: &Job) -> Plan {
     let plan = plan(job, &Budget::unlimited()).unwrap_or_else(|error| panic!("{name}: {error}"));
     let machine = job.machine.as_ref().unwrap();
+    assert_eq!(plan.report.axis_peaks.len(), 5, "{name}");
     for peaks in &plan.report.axis_peaks {
         let limits = limits_of(peaks.axis);
         for (peak, limit) in [peaks.speed, peaks.acceleration, peaks.jerk].into_iter().zip(limits) {

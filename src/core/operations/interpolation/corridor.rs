@@ -41,6 +41,10 @@ const GATES_BETWEEN_CHECKS: usize = 1024;
 /// last gate needs this, because it is a point of both chains.
 const ROUNDING: f64 = 1e-13;
 
+/// How far beyond an end of its window a point still counts as in the window, as a share of the window. A
+/// joint may lie at an end itself, and is then on either side by rounding.
+const AT_END: f64 = 1e-9;
+
 /// A band as a sequence of gates.
 pub struct Corridor {
     gates: Vec<Gate>,
@@ -189,7 +193,7 @@ impl Link {
     fn is_in_window(&self, p: &Point2<f64>) -> bool {
         let place = |q: &Point2<f64>| (q - self.through).dot(&self.along);
         let (from, to, at) = (place(&self.touch), place(&self.exit), place(p));
-        let slack = 1e-9 * (to - from).abs();
+        let slack = AT_END * (to - from).abs();
         from.min(to) - slack <= at && at <= from.max(to) + slack
     }
 }

@@ -29,6 +29,10 @@ const LOPSIDED_PART: f64 = 0.99;
 const PEAK_STEPS: usize = 4;
 const TOUCH_STEPS: usize = 16;
 
+/// The search ends with a step below this share of the ranges beside the place. The value changes with the
+/// square of the step there, so that it is then known to 1e-10 of itself.
+const CLOSE_PART: f64 = 5e-6;
+
 /// The distance that an element keeps in its middle from a side of the curve without room, as a share of the
 /// wide side. An element that coincides with the curve takes many cells to prove.
 const CLEAR_PART: f64 = 1e-4;
@@ -50,6 +54,21 @@ const HOPELESS_FACTOR: f64 = 1024.0;
 
 /// The most steps of the search for the best bow; it takes five to ten.
 const BULGE_STEPS: usize = 40;
+
+/// The share of the range to which the place of a line's largest deviation is found. The deviation is flat
+/// there, so that its error is about the square of this share.
+const TOP_PART: f64 = 1e-7;
+
+/// Feet no farther beyond an end of the element than this share of it count as at the end: rounding decides
+/// on which side they are.
+const END_ROUNDING: f64 = 1e-9;
+
+/// How exactly the bow is found that uses both sides of the band alike, as shares of what the bows through
+/// the places differ by: on a band with equal sides, before the first exchange of places, and after each. An
+/// exchange changes the places, so that the first bow may be rough.
+const EVEN_BOW_PART: f64 = 1e-12;
+const FIRST_BOW_PART: f64 = 1e-4;
+const BOW_PART: f64 = 1e-9;
 
 /// The shape of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,7 +145,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             return self.strain([from, to]);
         }
         let sign = at_from.signum();
-        let top = root(|t| sign * turned(t), [from, to], 1e-7);
+        let top = root(|t| sign * turned(t), [from, to], TOP_PART);
         self.part(&line, self.distance(&line, top, 0.5))
     }
 
@@ -197,7 +216,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
                 // Beyond an end of the element, the point is farther from the element than from its
                 // continuation.
                 let out = (-foot.u).max(foot.u - 1.0);
-                if out <= 1e-9 {
+                if out <= END_ROUNDING {
                     foot.distance
                 } else {
                     foot.distance.hypot(out * element.speed([foot.u; 2]).lo())
@@ -273,16 +292,16 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         };
         let mut points: Vec<Point2<f64>> = self.places().iter().map(|s| point(*s)).collect();
         if !self.is_lopsided() {
-            return balance(&points, 1e-12);
+            return balance(&points, EVEN_BOW_PART);
         }
-        let mut bow = balance(&points, 1e-4)?;
+        let mut bow = balance(&points, FIRST_BOW_PART)?;
         for _ in 0..EXCHANGES {
             let distance = bows.distance(bow);
             for sign in [1.0, -1.0] {
                 let side = |s: f64| sign * distance(point(s));
                 points.extend(peak(side, &GRADED, [0.0, 0.0], PEAK_STEPS).map(|[s, _]| point(s)));
             }
-            bow = balance(&points, 1e-9)?;
+            bow = balance(&points, BOW_PART)?;
         }
         Some(bow)
     }
@@ -351,7 +370,7 @@ fn peak(f: impl Fn(f64) -> f64, places: &[f64], at_ends: [f64; 2], steps: usize)
 /// The place and the value of the maximum of `f` near a place where `f` is larger than at two neighbours, by
 /// parabolas through three places.
 fn climb(f: impl Fn(f64) -> f64, mut x: [f64; 3], mut y: [f64; 3], steps: usize) -> [f64; 2] {
-    let close = 5e-6 * (x[2] - x[0]).min(2.0 * (x[1] - x[0]));
+    let close = CLOSE_PART * (x[2] - x[0]).min(2.0 * (x[1] - x[0]));
     for _ in 0..steps {
         let (a, b) = ((y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1]));
         let bend = (b - a) / (x[2] - x[0]);

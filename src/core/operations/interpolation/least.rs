@@ -38,6 +38,17 @@ const LENGTH_PART: f64 = 1e-9;
 /// longer, and elements grow by less than a share of 1e-7.
 const STRAIN_PART: f64 = 2e-7;
 
+/// Where proofs alone find a length, they find it to this share of itself: each further digit takes three or
+/// four proofs, and lengthens an element of a metre by a micrometre at most.
+const PROVED_LENGTH_PART: f64 = 1e-6;
+
+/// An element with an earlier start is tried only if it may reach farther than the element that it replaces,
+/// by this share of that element. Smaller gains may be rounding of the search.
+const FARTHER_PART: f64 = 1e-6;
+
+/// The least strain that counts: below it, logarithms of strains would be those of rounding, or infinite.
+const LEAST_STRAIN: f64 = 1e-12;
+
 /// Shares by which a length is shortened until its element is proved. If none of them helps, the length is
 /// halved.
 const SHORTER: [f64; 4] = [0.0, 1e-6, 1e-5, 1e-3];
@@ -168,7 +179,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             }
         };
         let (mut low, mut high) = (high, 2.0 * high);
-        while high - low > 1e-6 * low {
+        while high - low > PROVED_LENGTH_PART * low {
             self.meter.check()?;
             let middle = 0.5 * (low + high);
             match self.fit([from, from + middle]) {
@@ -233,7 +244,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     fn around(&self, before: &Fitted, next: &Fitted, most: f64) -> Option<[Fitted; 2]> {
         let [start, joint] = before.range;
         let reached = next.range[1];
-        let beyond = (reached + 1e-6 * (reached - joint)).min(most);
+        let beyond = (reached + FARTHER_PART * (reached - joint)).min(most);
         let mut best: Option<[Fitted; 2]> = None;
         for part in EARLIER {
             let at = joint - part * (joint - start);
@@ -262,7 +273,7 @@ fn limit_length(strain: impl Fn(f64) -> f64, from: f64, [guess, room]: [f64; 2])
     let mut length = guess;
     let mut last: Option<(f64, f64)> = None;
     for _ in 0..LENGTH_STEPS {
-        let strain = strain(length).max(1e-12);
+        let strain = strain(length).max(LEAST_STRAIN);
         if strain <= 1.0 {
             low = length;
             if length >= room || strain >= 1.0 - STRAIN_PART {

@@ -48,6 +48,14 @@ const HALVINGS: u32 = 4;
 /// A jump of the tangent by more than this sine makes a corner: the curve does not count as convex there.
 const CORNER_SINE: f64 = 1e-9;
 
+/// The rounding of a turn of the curve, as a part of the product of both derivatives. A curve that is
+/// straight up to rounding counts as convex.
+const STRAIGHT_PART: f64 = 1e-12;
+
+/// The part of its width by which the band is exceeded before points rule an element out. It is above the
+/// rounding of widths and divided differences, and the bound of the report holds up to it.
+const WIDTH_ROUNDING: f64 = 1e-9;
+
 /// The places of the four points that rule out an arc or a parabola, as shares of the range: those of
 /// Chebyshev.
 const FOUR: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
@@ -166,8 +174,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             }
         }
         let turn = first[0] * second[1] - first[1] * second[0];
-        // A curve that is straight up to rounding counts as convex.
-        let slack = 1e-12 * (first[0].mag() + first[1].mag()) * (second[0].mag() + second[1].mag());
+        let slack = STRAIGHT_PART * (first[0].mag() + first[1].mag()) * (second[0].mag() + second[1].mag());
         let sides = [turn.lo() >= -slack, turn.hi() <= slack];
         (sides[0] || sides[1]).then_some(sides)
     }
@@ -203,12 +210,13 @@ impl<C: PlaneCurve> Fitter<'_, C> {
                     .map(|k| self.curve.point(at(k as f64 / (LINE_POINTS - 1) as f64)))
                     .collect();
                 let width = self.band.below_mm + self.band.above_mm + 4.0 * GUARD_MM;
-                triples(LINE_POINTS).any(|t| self.thickness(t.map(|k| points[k])) > width * (1.0 + 1e-9))
+                triples(LINE_POINTS)
+                    .any(|t| self.thickness(t.map(|k| points[k])) > width * (1.0 + WIDTH_ROUNDING))
             }
             Method::Arc => {
                 let width = self.band.below_mm + self.band.above_mm + 4.0 * GUARD_MM;
                 // The distance is at most the vertical deviation, so this test serves both measures.
-                ring(FOUR.map(|part| self.curve.point(at(part)))) > width * (1.0 + 1e-9)
+                ring(FOUR.map(|part| self.curve.point(at(part)))) > width * (1.0 + WIDTH_ROUNDING)
             }
             Method::Parabolic | Method::Mixed => self.no_parabola(FOUR.map(at)),
         }
@@ -246,7 +254,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             let (a, b) = (-below * steepness / product, above * steepness / product);
             (least, most) = (least + a.min(b), most + a.max(b));
         }
-        let slack = 1e-9 * (most - least);
+        let slack = WIDTH_ROUNDING * (most - least);
         !(least - slack..=most + slack).contains(&-sum) && least.is_finite() && most.is_finite()
     }
 }

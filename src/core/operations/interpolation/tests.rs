@@ -85,6 +85,7 @@ fn a_control_without_parabolas_gets_arcs_within_the_same_band() {
     let mut job = job(graph("sin(x)", [0.0, 6.5]), Method::Parabolic, Subdivision::Bisection, 0.01);
     job.curves.parabolas = Parabolas::AsLines;
     let plan = planned(&job);
+    assert!(!plan.report.elements.is_empty());
     assert!(plan.report.elements.iter().all(|element| matches!(element.element, Element::Parabola { .. })));
     let counts =
         crate::toolpath::measure::measure(&plan.toolpath, crate::toolpath::units::FeedRate::DEFAULT_RAPID)

@@ -6,6 +6,14 @@ use crate::geometry::curve::{Curve, Direction};
 use crate::geometry::plane::Plane;
 use crate::geometry::segment::Segment;
 
+/// Elements that are no longer come of rounding alone, mm. They are left out: their directions mean nothing.
+/// Coordinates of ten metres are rounded to 2e-12 mm, and places made of circles are less exact.
+pub const ROUNDING_MM: f64 = 1e-9;
+
+/// No element is divided into parts that are shorter, mm: no control writes them, and regions take places
+/// that are nearer to each other as one.
+pub const SHORTEST_MM: f64 = 1e-6;
+
 /// The distance of a place from an element, and the place on the element.
 pub fn foot(element: &Segment, p: Point2<f64>) -> (f64, Point2<f64>) {
     let u = element.foot(p).u.clamp(0.0, 1.0);
@@ -36,9 +44,9 @@ pub fn begun_at(elements: &[Segment], k: usize, t: f64) -> Vec<Segment> {
     let mut begun: Vec<Segment> = Vec::with_capacity(elements.len() + 1);
     let Some((first, rest)) = after.split_first() else { return begun };
     let length = first.length();
-    if t * length < 1e-6 {
+    if t * length < SHORTEST_MM {
         begun.extend(after.iter().chain(before));
-    } else if (1.0 - t) * length < 1e-6 {
+    } else if (1.0 - t) * length < SHORTEST_MM {
         begun.extend(rest.iter().chain(before).chain([first]));
     } else {
         begun.push(first.part(t, 1.0));

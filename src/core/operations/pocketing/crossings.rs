@@ -5,12 +5,20 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix2, Rotation2, Vector2};
 
 use super::PocketError;
+use super::chain::ROUNDING_MM;
 use crate::budget::Budget;
 use crate::geometry::region::{self, Outline, Region};
 use crate::geometry::segment::Segment;
 
 /// The most lines, and the most places where they meet outlines.
 const MOST: usize = 1_000_000;
+
+/// A line of the boundary at a smaller angle is along x or y, radians: over a metre it leaves the axis by a
+/// micrometre, so that rows along it would be the same rows.
+const ALONG_AXIS: f64 = 1e-6;
+
+/// A pole of an arc at less than this part of its turn from an end is that end.
+const AT_END: f64 = 1e-12;
 
 /// A frame that is turned against the workpiece, so that rows run along its x.
 #[derive(Debug, Clone, Copy)]
@@ -70,7 +78,7 @@ impl Frame {
         if let Some(longest) = lines.max_by(|a, b| a.length().total_cmp(&b.length())) {
             let along = longest.end() - longest.start();
             let angle = along.y.atan2(along.x).rem_euclid(FRAC_PI_2);
-            if angle.min(FRAC_PI_2 - angle) > 1e-6 {
+            if angle.min(FRAC_PI_2 - angle) > ALONG_AXIS {
                 angles.extend([angle, angle + FRAC_PI_2]);
             }
         }
@@ -170,7 +178,7 @@ impl Crossings {
             }
             way.push(outline[b.element].part(0.0, b.t));
         }
-        way.retain(|element| element.length() > 1e-9);
+        way.retain(|element| element.length() > ROUNDING_MM);
         way
     }
 
@@ -213,7 +221,7 @@ fn between_poles(element: &Segment, axis: Vector2<f64>) -> Vec<[f64; 2]> {
     if let Segment::Arc(arc) = element {
         let mut poles = [axis, -axis].map(|pole| arc.angle_to(pole) / arc.turn().abs());
         poles.sort_by(f64::total_cmp);
-        cuts.extend(poles.into_iter().filter(|t| *t > 1e-12 && *t < 1.0 - 1e-12));
+        cuts.extend(poles.into_iter().filter(|t| *t > AT_END && *t < 1.0 - AT_END));
     }
     cuts.push(1.0);
     cuts.windows(2).map(|pair| [pair[0], pair[1]]).collect()

@@ -5,9 +5,14 @@ use nalgebra::{Point2, Vector2};
 use super::conditions::Conditions;
 use crate::geometry::region::{Place, Region};
 use crate::geometry::segment::Segment;
+use crate::geometry::spacing::spaces;
 
 /// How near the largest radius of a helix is found, mm.
 const RADIUS_ACCURACY_MM: f64 = 1e-3;
+
+/// How far a helix may cross the boundary of the centres' region, mm: above rounding. A run that starts on
+/// the boundary has a helix that touches it.
+const TOUCHING_MM: f64 = 1e-9;
 
 /// The shortest way on which a ramp goes to and fro, as a part of the cutter's radius.
 const SHORTEST_RAMP: f64 = 0.5;
@@ -41,7 +46,8 @@ pub fn helix(
     let most = 0.5 * conditions.entry.max_diameter_mm;
     let aside = Vector2::new(-along.y, along.x);
     let fits = |center: Point2<f64>, radius: f64| {
-        centers.place(center, 1e-9) == Place::Inside && centers.distance_to_boundary(center) >= radius - 1e-9
+        centers.place(center, TOUCHING_MM) == Place::Inside
+            && centers.distance_to_boundary(center) >= radius - TOUCHING_MM
     };
     let largest = |sense: f64| {
         let fits = |radius: f64| fits(p + aside * (sense * radius), radius);
@@ -72,7 +78,7 @@ pub fn ramp(elements: &[Segment], conditions: &Conditions) -> Option<Entry> {
     if stroke < SHORTEST_RAMP * conditions.radius_mm {
         return conditions.entry.plunge.then_some(Entry::Plunge);
     }
-    let strokes = 2 * (needed / (2.0 * stroke) - 1e-9).ceil().max(1.0) as usize;
+    let strokes = 2 * spaces(needed, 2.0 * stroke) as usize;
     Some(Entry::Ramp { along: first_part(elements, needed / strokes as f64), strokes })
 }
 

@@ -26,6 +26,11 @@ use crate::geometry::segment::Segment;
 /// The largest number of cells.
 pub const MOST_CELLS: usize = 1_000_000;
 
+/// How far outside a triangle a point still has its height, in cells, and as a part of the height of the
+/// triangle in the plane. A point on a side belongs to both triangles, and rounding must not leave it to
+/// neither.
+const OUTSIDE: f64 = 1e-9;
+
 /// The heights of a field at the points of a grid; minus infinity at points outside the field.
 pub fn sampled(field: &HeightField, cell_mm: f64, budget: &Budget) -> Result<HeightGrid, PocketError> {
     let (mut low, mut high) = (Point2::from([f64::INFINITY; 2]), Point2::from([f64::NEG_INFINITY; 2]));
@@ -34,7 +39,7 @@ pub fn sampled(field: &HeightField, cell_mm: f64, budget: &Budget) -> Result<Hei
             (low, high) = (low.inf(&corner.xy()), high.sup(&corner.xy()));
         }
     })?;
-    let counts = [high.x - low.x, high.y - low.y].map(|extent| (extent / cell_mm + 1e-9).floor() + 1.0);
+    let counts = [high.x - low.x, high.y - low.y].map(|extent| (extent / cell_mm + OUTSIDE).floor() + 1.0);
     // Written so that NaN is refused.
     let is_small = counts[0] * counts[1] <= MOST_CELLS as f64;
     if !is_small {
@@ -49,14 +54,14 @@ pub fn sampled(field: &HeightField, cell_mm: f64, budget: &Budget) -> Result<Hei
         let first = (from.xy() - low) / cell_mm;
         let last = (to.xy() - low) / cell_mm;
         let double = (b.xy() - a.xy()).perp(&(c.xy() - a.xy()));
-        let columns = index((first.x - 1e-9).ceil(), columns)..=index(last.x + 1e-9, columns);
-        let rows_about = index((first.y - 1e-9).ceil(), n_rows)..=index(last.y + 1e-9, n_rows);
+        let columns = index((first.x - OUTSIDE).ceil(), columns)..=index(last.x + OUTSIDE, columns);
+        let rows_about = index((first.y - OUTSIDE).ceil(), n_rows)..=index(last.y + OUTSIDE, n_rows);
         for (j, row) in rows.iter_mut().enumerate().take(rows_about.end() + 1).skip(*rows_about.start()) {
             for (i, height) in row.iter_mut().enumerate().take(columns.end() + 1).skip(*columns.start()) {
                 let p = Point2::new(low.x + cell_mm * i as f64, low.y + cell_mm * j as f64);
                 let weight = |q: Point2<f64>, r: Point2<f64>| (q - p).perp(&(r - p)) / double;
                 let weights = [weight(b.xy(), c.xy()), weight(c.xy(), a.xy()), weight(a.xy(), b.xy())];
-                if double > 0.0 && weights.iter().all(|weight| *weight >= -1e-9) {
+                if double > 0.0 && weights.iter().all(|weight| *weight >= -OUTSIDE) {
                     *height = height.max(weights[0] * a.z + weights[1] * b.z + weights[2] * c.z);
                 }
             }

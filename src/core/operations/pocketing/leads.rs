@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::chain::ROUNDING_MM;
 use crate::geometry::segment::{Segment, left};
 
 /// The turn of the arc on which the cutter comes to a wall after a lift, radians. The arc begins an eighth of
@@ -12,7 +13,7 @@ const LEAD_TURN: f64 = std::f64::consts::FRAC_PI_6;
 /// The way from one place to another on circles to the left about two centres and the line that touches both;
 /// empty if no line does, because one circle lies in the other.
 pub fn belt([from, to]: [Point2<f64>; 2], [first, second]: [Point2<f64>; 2]) -> Vec<Segment> {
-    let Some(along) = (second - first).try_normalize(1e-9) else { return Vec::new() };
+    let Some(along) = (second - first).try_normalize(ROUNDING_MM) else { return Vec::new() };
     let (out, back) = ((from - first).norm(), (to - second).norm());
     // For equal radii the line runs parallel to that between the centres.
     let aside = (out - back) / (second - first).norm();
@@ -28,7 +29,7 @@ pub fn belt([from, to]: [Point2<f64>; 2], [first, second]: [Point2<f64>; 2]) -> 
     };
     vec![arc(from, leave, first, out), Segment::Line { start: leave, end: meet }, arc(meet, to, second, back)]
         .into_iter()
-        .filter(|element| element.length() > 1e-9)
+        .filter(|element| element.length() > ROUNDING_MM)
         .collect()
 }
 

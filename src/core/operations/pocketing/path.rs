@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use super::chain::ROUNDING_MM;
 use super::conditions::Conditions;
 use super::entry::{Entry, circle};
 use super::feeds;
@@ -9,6 +10,7 @@ use super::router::Run;
 use crate::geometry::curve::{Arc, Curve, Direction};
 use crate::geometry::plane::Plane;
 use crate::geometry::segment::Segment;
+use crate::geometry::spacing::spaces;
 use crate::toolpath::path::{Builder, PathError, Role};
 use crate::toolpath::units::FeedRate;
 
@@ -52,7 +54,7 @@ fn enter(builder: &mut Builder, run: &Run, conditions: &Conditions) -> Result<()
         Entry::Plunge => down(builder, z, Role::Plunge)?,
         Entry::Helix { center, is_left } => {
             let pitch = (start - center).norm() * std::f64::consts::TAU * conditions.entry.ramp_angle.tan();
-            let turns = (conditions.depth_mm() / pitch - 1e-9).ceil().max(1.0);
+            let turns = spaces(conditions.depth_mm(), pitch);
             let halves = circle(start, *center, *is_left);
             let count = 2.0 * turns;
             builder.check_room(count)?;
@@ -98,7 +100,7 @@ fn follow(
     let at = builder.at();
     let end = element.end();
     let to = Point3::new(end.x, end.y, z);
-    if (to - at).norm() < 1e-9 {
+    if (to - at).norm() < ROUNDING_MM {
         return Ok(());
     }
     if let Segment::Arc(arc) = element {

@@ -14,6 +14,10 @@ use crate::geometry::segment::Segment;
 const MOST_RINGS: usize = 100_000;
 const MOST_ELEMENTS: usize = 300_000;
 
+/// Places that are nearer to each other are the same, mm, as regions take them. The ends of neighbouring
+/// parts differ by the rounding of two elements.
+const SAME_PLACE_MM: f64 = 1e-6;
+
 /// All rings of a region of centres. A ring comes before those inside it.
 pub struct Rings {
     all: Vec<Ring>,
@@ -103,10 +107,14 @@ fn next_inside(
 pub fn clipped(elements: &[Segment], region: &Region) -> Vec<Vec<Segment>> {
     let mut chains: Vec<Vec<Segment>> = Vec::new();
     for element in elements {
-        for [from, to] in region.ranges_inside(element, 1e-6) {
+        for [from, to] in region.ranges_inside(element, SAME_PLACE_MM) {
             let part = element.part(from, to);
             match chains.last_mut() {
-                Some(chain) if chain.last().is_some_and(|last| (last.end() - part.start()).norm() < 1e-6) => {
+                Some(chain)
+                    if chain
+                        .last()
+                        .is_some_and(|last| (last.end() - part.start()).norm() < SAME_PLACE_MM) =>
+                {
                     chain.push(part)
                 }
                 _ => chains.push(vec![part]),
@@ -116,7 +124,7 @@ pub fn clipped(elements: &[Segment], region: &Region) -> Vec<Vec<Segment>> {
     if chains.len() > 1
         && let (Some(first), Some(last)) =
             (chains.first().and_then(|chain| chain.first()), chains.last().and_then(|chain| chain.last()))
-        && (first.start() - last.end()).norm() < 1e-6
+        && (first.start() - last.end()).norm() < SAME_PLACE_MM
         && let Some(mut last) = chains.pop()
     {
         last.append(&mut chains[0]);

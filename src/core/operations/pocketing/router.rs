@@ -28,6 +28,10 @@ const LEAD: f64 = 0.25;
 /// Places at which a closed stroke may begin.
 const STARTS: usize = 24;
 
+/// A helix at a later place has to be larger by this, mm. Helices that fit equally well at several places
+/// differ by rounding, which must not choose between them.
+const LARGER_MM: f64 = 1e-6;
+
 /// The longest way through material from one stroke to the next, in stepovers.
 const THROUGH: f64 = 2.0;
 
@@ -143,7 +147,7 @@ impl<'a> Router<'a> {
                 let (p, along) = (elements[k].at(t), elements[k].direction(t));
                 let radius =
                     entry::helix(p, along, self.centers, self.conditions).map_or(0.0, |(radius, _)| radius);
-                if best.as_ref().is_none_or(|(most, _)| radius > *most + 1e-6) {
+                if best.as_ref().is_none_or(|(most, _)| radius > *most + LARGER_MM) {
                     best = Some((radius, begun_at(elements, k, t)));
                 }
             }

@@ -8,6 +8,7 @@ use super::crossings::{Crossing, Crossings, Frame};
 use crate::budget::Budget;
 use crate::geometry::region::Region;
 use crate::geometry::segment::Segment;
+use crate::geometry::spacing::spaces;
 
 /// What a row does at an island.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +54,7 @@ impl Rows {
         let outlines = frame.outlines(layout.area);
         let mut ys = Vec::new();
         if let Some([low, high]) = Crossings::range(&frame.outlines(layout.needed)) {
-            let count = ((high - low) / layout.stepover_mm - 1e-9).ceil().max(1.0);
+            let count = spaces(high - low, layout.stepover_mm);
             let spacing = (high - low) / count;
             ys = (0..Crossings::checked(count)?).map(|k| low + spacing * (k as f64 + 0.5)).collect();
         }

@@ -16,10 +16,12 @@
 use nalgebra::{Point2, Rotation2};
 
 use super::PocketError;
+use super::chain::ROUNDING_MM;
 use super::crossings::{Crossings, Frame};
 use crate::budget::Budget;
 use crate::geometry::region::Region;
 use crate::geometry::segment::Segment;
+use crate::geometry::spacing::spaces;
 
 /// How near to the edge of the centres' region a joint may come, mm: above the rounding of offsets.
 const BESIDE_MM: f64 = 2e-6;
@@ -45,7 +47,7 @@ pub fn chains(
 ) -> Result<Vec<Vec<Segment>>, PocketError> {
     let outlines = frame.outlines(needed);
     let Some([low, high]) = Crossings::range(&outlines) else { return Ok(Vec::new()) };
-    let count = ((high - low) / stepover_mm - 1e-9).ceil().max(1.0);
+    let count = spaces(high - low, stepover_mm);
     let width = (high - low) / count;
     let count = Crossings::checked(count)?;
     let edges: Vec<f64> = (1..count).map(|k| low + width * k as f64).collect();
@@ -209,7 +211,7 @@ impl Rows<'_> {
 
     fn elements(&self, way: &[Point2<f64>]) -> Vec<Segment> {
         let mut elements: Vec<Segment> = Vec::new();
-        for pair in way.windows(2).filter(|pair| (pair[1] - pair[0]).norm() > 1e-9) {
+        for pair in way.windows(2).filter(|pair| (pair[1] - pair[0]).norm() > ROUNDING_MM) {
             elements.push(Segment::Line { start: pair[0], end: pair[1] });
         }
         // A single place.

@@ -34,6 +34,10 @@ const SHORT_SHARE: f64 = 0.1;
 /// Least height of sections over their chords, mm, where steps are only counted.
 const COARSE_HEIGHT_MM: f64 = 5e-3;
 
+/// The part by which a count of least steps may exceed the limit before the job is refused: the lengths that
+/// are divided are rounded, and a job at its limit has to pass.
+const COUNT_ROUNDING: f64 = 1e-6;
+
 /// The number of planes that are cut beforehand to estimate the number of CL points.
 const SAMPLED: usize = 16;
 
@@ -174,8 +178,7 @@ fn check_steps(
     for plane in planes {
         budget.check()?;
         steps += least_steps(plane)?;
-        // The margin is for rounding.
-        if steps * (1.0 - 1e-6) > limit as f64 {
+        if steps * (1.0 - COUNT_ROUNDING) > limit as f64 {
             return Err(Error::TooManyPoints { limit });
         }
     }

@@ -4,9 +4,12 @@ use super::outline::Outline;
 use super::{Error, Job};
 use crate::budget::Budget;
 use crate::geometry::solve::try_bisect;
+use crate::geometry::spacing::spaces;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::drop_cutter::TipSections;
-use crate::machining::offset_section::{Chain, INSET_MM, PlaneAt, SectionError, Sections, Spacing};
+use crate::machining::offset_section::{
+    Chain, INSET_MM, INSET_PART, PlaneAt, SectionError, Sections, Spacing,
+};
 
 /// How far inside the extent the outermost plane lies at an edge that is not straight, mm. On the extent the
 /// plane would touch the offset in one point and have no section; half a hundredth of a millimetre inside it
@@ -75,7 +78,7 @@ impl<P: Patch> ClCurves for ContactCurves<'_, P> {
         let has_section = |at: f64| self.sections.has_any(PlaneAt::new(at), COARSE, budget);
         // The place that reaches farthest across the planes may not be the place that touches the cutter
         // first.
-        let inset = TOUCH_MM.min(1e-3 * (high - low));
+        let inset = TOUCH_MM.min(INSET_PART * (high - low));
         if has_section(low + inset)? && has_section(high - inset)? {
             return Ok([low, high]);
         }
@@ -111,12 +114,6 @@ fn extent_where<E>(
     let [low, _] = try_bisect([probe(first), outside[0]], HALVINGS, &holds)?;
     let [high, _] = try_bisect([probe(last), outside[1]], HALVINGS, &holds)?;
     Ok(Some([low, high]))
-}
-
-/// The least number of equal spaces of at most `stepover` mm; at least one.
-fn spaces([low, high]: [f64; 2], stepover: f64) -> f64 {
-    // Without the one part in 1e9, rounding could divide 80 mm at 2 mm into 41 spaces.
-    ((high - low) / stepover - 1e-9).ceil().max(1.0)
 }
 
 fn length(chains: &[Chain]) -> f64 {
@@ -161,7 +158,7 @@ impl<'a> Slicer<'a> {
     /// points.
     pub(super) fn planes(&self, job: &Job, stepover: f64, budget: &Budget) -> Result<Vec<PlaneAt>, Error> {
         let reach = self.reach()?;
-        let spaces = spaces(reach, stepover);
+        let spaces = spaces(reach[1] - reach[0], stepover);
         let limit = job.plane_limit;
         if spaces >= limit as f64 {
             let needed = (spaces as usize).saturating_add(1);
@@ -171,7 +168,7 @@ impl<'a> Slicer<'a> {
             Some(_) => reach,
             None => self.curves.extent(reach, budget)?,
         };
-        let (width, n) = (high - low, self::spaces([low, high], stepover) as usize);
+        let (width, n) = (high - low, self::spaces(high - low, stepover) as usize);
         let first = self.outermost(low, 1.0, width, budget)?;
         let last = self.outermost(high, -1.0, width, budget)?;
         let between = |k: usize| first.at + (last.at - first.at) * (k as f64 / n as f64);
@@ -195,8 +192,8 @@ impl<'a> Slicer<'a> {
     /// The outermost plane at `extent` mm; `inward` (1 or -1) points into the part. Along a straight edge the
     /// plane lies on the extent, else [`TOUCH_MM`] inside.
     fn outermost(&self, extent: f64, inward: f64, width: f64, budget: &Budget) -> Result<PlaneAt, Error> {
-        let on_edge = extent + inward * INSET_MM.min(1e-3 * width);
-        let inside = extent + inward * TOUCH_MM.min(1e-3 * width);
+        let on_edge = extent + inward * INSET_MM.min(INSET_PART * width);
+        let inside = extent + inward * TOUCH_MM.min(INSET_PART * width);
         if self.cut_length(on_edge, budget)? >= STRAIGHT_SHARE * self.cut_length(inside, budget)? {
             Ok(PlaneAt { at: extent, traced_at: on_edge })
         } else {

@@ -27,6 +27,11 @@ const SAMPLES: usize = 5;
 /// The least share of a sampled slope. Steeper slopes count as this steep: no spacing of planes serves walls.
 const LEAST_SHARE: f64 = 0.05;
 
+/// A ball fits only just if its radius is more than this part of the concave radius of curvature. Nearer to
+/// 1, the concavity of the offset grows without bound, and one tight place would decide the spacing of all
+/// planes.
+const FITS_PART: f64 = 0.9;
+
 /// The stepover of a flat end on level ground, as a share of its diameter.
 const FLAT_SHARE: f64 = 0.9;
 
@@ -71,7 +76,7 @@ pub(super) fn sampled_slopes(
             let Some(normal) = jet.normal().try_normalize(0.0).filter(|n| n.z > 0.0) else { continue };
             let share = (1.0 - normal[axis] * normal[axis]).max(0.0).sqrt().max(LEAST_SHARE);
             let concave = curvature::most_concave_at(&jet);
-            let fits = radius * concave < 0.9;
+            let fits = radius * concave < FITS_PART;
             let concavity = if fits { (concave / (1.0 - radius * concave)).max(0.0) } else { 0.0 };
             slopes.push(Slope { share, concavity });
         }

@@ -41,6 +41,7 @@ use crate::budget::Budget;
 use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::plane::Plane;
+use crate::geometry::spacing::spaces;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::gouge::{GougeProof, Penetration};
 use crate::machining::upper_envelope::{Accuracy, EnvelopeError, Stretch, UpperEnvelope, union};
@@ -255,7 +256,7 @@ fn pass(
 
 /// The number of equal parts of a line that are no longer than `longest_mm`.
 fn n_parts(line: &Line, longest_mm: Option<f64>) -> f64 {
-    longest_mm.map_or(1.0, |longest| (line.length() / longest - 1e-9).ceil().max(1.0))
+    longest_mm.map_or(1.0, |longest| spaces(line.length(), longest))
 }
 
 /// The line in `n` equal parts.

@@ -26,6 +26,10 @@ use crate::geometry::curve::{Arc, Direction};
 /// is below 0.5 % of the turn's square times the distance of the centres.
 const INTERVALS: u32 = 32;
 
+/// Sweeps belong to the same turn if they differ by less, radians. They differ by rounding, or else by a
+/// whole turn.
+const SAME_TURN: f64 = 1e-6;
+
 /// Largest angle, radians, by which rounding may turn an end about the centre. An end that turns farther
 /// belongs to another arc.
 const MAX_TURN: f64 = 0.5;
@@ -118,8 +122,7 @@ impl<'a> Between<'a> {
             [family.sense * angle(&from, &family.to_start), family.sense * angle(&to, &family.to_end)];
         let (r0, r1) = (family.to_start.norm(), family.to_end.norm());
         let shift = family.center - arc.center;
-        // A sweep that went round the other way differs by a whole turn.
-        let is_same_turn = (family.sweep - (arc.sweep + ahead[1] - ahead[0])).abs() < 1e-6
+        let is_same_turn = (family.sweep - (arc.sweep + ahead[1] - ahead[0])).abs() < SAME_TURN
             && ahead.iter().all(|turn| turn.abs() <= MAX_TURN)
             && family.sense == arc.sense;
         let radii = [r0.min(r1), r0.max(r1)];

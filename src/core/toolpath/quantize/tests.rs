@@ -133,6 +133,11 @@ fn arc(plane: Plane, ccw: bool, radius: f64, angles: [f64; 2], center: [f64; 3],
     Arc::with_center_near(plane, direction, start, end, plane.to_workpiece(&c)).ok()
 }
 
+/// Rounding may make the radii at the ends of an arc disagree.
+fn no_arc() -> TestCaseError {
+    TestCaseError::reject("no arc")
+}
+
 fn planes() -> impl Strategy<Value = Plane> {
     prop::sample::select(Plane::ALL.to_vec())
 }
@@ -149,9 +154,8 @@ proptest! {
         plane in planes(), ccw: bool, size in -2.0..4.0f64, turn in 0.0..TAU, sweep in sweeps(),
         center in prop::array::uniform3(-200.0..200.0f64), inch: bool,
     ) {
-        if let Some(arc) = arc(plane, ccw, 10f64.powf(size), [turn, sweep], center, 0.0) {
-            check(&arc, if inch { INCH } else { MM });
-        }
+        let arc = arc(plane, ccw, 10f64.powf(size), [turn, sweep], center, 0.0);
+        check(&arc.ok_or_else(no_arc)?, if inch { INCH } else { MM });
     }
 
     #[test]
@@ -160,9 +164,8 @@ proptest! {
         center in prop::array::uniform3(-200.0..200.0f64), rise in -3.0..3.0f64, down: bool,
     ) {
         let rise = if down { -(10f64.powf(rise)) } else { 10f64.powf(rise) };
-        if let Some(arc) = arc(plane, ccw, 10f64.powf(size), [turn, sweep], center, rise) {
-            check(&arc, MM);
-        }
+        let arc = arc(plane, ccw, 10f64.powf(size), [turn, sweep], center, rise);
+        check(&arc.ok_or_else(no_arc)?, MM);
     }
 
     #[test]
@@ -170,10 +173,9 @@ proptest! {
         let radius = 10f64.powf(size);
         let (sin, cos) = turn.sin_cos();
         let center = [-radius * cos, -radius * sin, 0.0];
-        if let Some(arc) = arc(plane, ccw, radius, [turn, length / radius], center, 0.0) {
-            for block in check(&arc, MM) {
-                prop_assert!(matches!(block.curve, Curve::Line(_)));
-            }
+        let arc = arc(plane, ccw, radius, [turn, length / radius], center, 0.0).ok_or_else(no_arc)?;
+        for block in check(&arc, MM) {
+            prop_assert!(matches!(block.curve, Curve::Line(_)));
         }
     }
 
@@ -209,6 +211,7 @@ fn nearly_every_arc_stays_one_block_and_its_radii_agree_within_one_unit() {
         blocks += written.len();
         worst = written.iter().fold(worst, |worst, block| worst.max(block.radius_mismatch_mm));
     }
+    assert!(arcs > 4_900, "only {arcs} arcs");
     assert!(blocks as f64 <= 1.04 * arcs as f64, "{blocks} blocks for {arcs} arcs");
     assert!(worst <= 0.001, "{worst}");
 }

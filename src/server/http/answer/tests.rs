@@ -11,7 +11,7 @@ use crate::http::messages::WarningCode;
 use crate::http::request::request_id::RequestId;
 use toolpathd_core::toolpath::Role;
 use toolpathd_core::toolpath::cutting::CuttingRequest;
-use toolpathd_core::toolpath::program::{Custom, Program, Resolution, SafeHome, Units};
+use toolpathd_core::toolpath::program::{Program, Resolution, Units};
 use toolpathd_core::toolpath::tool::Tool;
 
 #[derive(Serialize, ToSchema)]
@@ -30,13 +30,8 @@ fn cut() -> Cut {
         setup: Setup {
             tool: Some(Tool::ball(3.0)),
             program: Program {
-                resolution: Resolution { units: Units::Mm, decimals: 3 },
-                number: 1,
                 name: Some("die".to_owned()),
-                block_numbers: false,
-                work_offset: None,
-                safe_home: SafeHome::None,
-                custom: Custom::default(),
+                ..Program::plain(Resolution { units: Units::Mm, decimals: 3 })
             },
             dialect: toolpathd_post::DIALECTS[0],
             five_axes: None,

@@ -67,6 +67,7 @@ proptest! {
             return Err(TestCaseError::reject("beyond the travel of the machine"));
         };
         let axes = Axes::new(Some(&machine), &limits());
+        prop_assert!(!drive.pieces.is_empty());
         for driven in drive.pieces {
             let Driven { piece, stations, schedule, .. } = driven;
             let path = Path { piece, stations, machine: Some(&machine), rests: piece.rests() };

@@ -26,6 +26,15 @@ const FIRST: f64 = 0.1;
 /// of the time to reach full speed at 1e-4. A smaller part adds nodes.
 const FIRST_AT_LEAST: f64 = 1e-4;
 
+/// The first interval is at least this part of the path. From there, some 160 intervals reach the middle.
+/// Without this least part, the intervals of an end that gains no speed would never get there.
+const FIRST_OF_PATH: f64 = 1e-7;
+
+/// Places that are nearer than `ONE_PLACE` of the interval between two stations, or than `ROUNDING` of their
+/// parameters, give one node: the distances from both ends lead to the same places but for rounding.
+const ONE_PLACE: f64 = 1e-9;
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// The nodes of `stations`, which are at least two.
 pub fn nodes(stations: &[Station], limits: &[Limits], tip: Option<&TipLimits>) -> Vec<Station> {
     let (Some(first), Some(last)) = (stations.first(), stations.last()) else {
@@ -75,8 +84,7 @@ fn at_places(stations: &[Station], places: &[f64]) -> Vec<Station> {
     for pair in stations.windows(2) {
         let [from, to] = pair else { continue };
         nodes.push(from.clone());
-        // Nearer places are the same place but for rounding.
-        let apart = (1e-9 * (to.u - from.u)).max(4.0 * f64::EPSILON * (from.u.abs() + to.u.abs()));
+        let apart = (ONE_PLACE * (to.u - from.u)).max(ROUNDING * (from.u.abs() + to.u.abs()));
         let mut before = from.u;
         while let Some(u) = places.next_if(|&&u| u < to.u) {
             if u - before > apart && to.u - u > apart {
@@ -137,7 +145,7 @@ fn first_interval(end: &Station, limits: &[Limits], tip: Option<&TipLimits>, len
     // The acceleration has grown to its limit here.
     let full = acceleration.powi(3) / (6.0 * jerk * jerk);
     let full = if full.is_nan() { 0.0 } else { full };
-    (FIRST * full).clamp(FIRST_AT_LEAST * gain, FIRST * gain).max(1e-7 * length)
+    (FIRST * full).clamp(FIRST_AT_LEAST * gain, FIRST * gain).max(FIRST_OF_PATH * length)
 }
 
 /// A node between two stations.

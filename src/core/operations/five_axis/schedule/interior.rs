@@ -29,6 +29,14 @@ const HALVINGS: usize = 30;
 /// the squared speed, and the search takes twice as many steps. The result does not depend on it.
 const CURVATURE: f64 = 0.3;
 
+/// mu is this part of the mean product: first, and after a step of more than `LONG` and of more than `MIDDLE`
+/// of the solution. After a shorter step mu is the mean product, which leads back from the limits.
+const FIRST_PART: f64 = 0.3;
+const LONG: f64 = 0.8;
+const AFTER_LONG: f64 = 0.1;
+const MIDDLE: f64 = 0.4;
+const AFTER_MIDDLE: f64 = 0.2;
+
 /// The unknowns, the multipliers and the space for one step.
 struct Search<'a> {
     rows: &'a Rows,
@@ -75,7 +83,7 @@ impl Search<'_> {
         let still = vec![0.0; self.m.len()];
         self.step(&still, gap * self.time() / count);
         std::mem::swap(&mut self.multipliers, &mut self.changes);
-        let mut shrink = 0.3;
+        let mut shrink = FIRST_PART;
         let (mut gap, _) = self.assemble();
         for _ in 0..STEPS {
             budget.check()?;
@@ -93,8 +101,8 @@ impl Search<'_> {
             let Some(next) = self.advance(&change, step.primal) else { break };
             gap = next;
             shrink = match step.primal.min(step.dual) {
-                long if long > 0.8 => 0.1,
-                middle if middle > 0.4 => 0.2,
+                part if part > LONG => AFTER_LONG,
+                part if part > MIDDLE => AFTER_MIDDLE,
                 _ => 1.0,
             };
         }

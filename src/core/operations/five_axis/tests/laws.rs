@@ -45,7 +45,7 @@ proptest! {
     #[test]
     fn any_path_is_smoothed_within_its_tolerances(job in any_job()) {
         match plan(&job, &Budget::unlimited()) {
-            Err(FiveAxisError::NoMotion) => {}
+            Err(FiveAxisError::NoMotion) => return Err(TestCaseError::reject("no motion")),
             Err(error) => panic!("{error}"),
             Ok(_) => { assert_within("any", &job); }
         }
@@ -59,9 +59,13 @@ proptest! {
             ..job
         };
         match plan(&job, &Budget::unlimited()) {
-            Err(FiveAxisError::NoMotion | FiveAxisError::NotFollowed { .. }) => {}
+            Err(FiveAxisError::NoMotion | FiveAxisError::NotFollowed { .. }) => {
+                return Err(TestCaseError::reject("no motion, or beyond the travel of the machine"));
+            }
             Err(error) => panic!("{error}"),
             Ok(plan) => {
+                prop_assert!(!plan.samples.is_empty());
+                prop_assert_eq!(plan.report.axis_peaks.len(), 5);
                 for sample in &plan.samples {
                     assert!(sample.t_s.is_finite() && sample.pose.tip.iter().all(|x| x.is_finite()));
                     let found = job.machine.as_ref().unwrap().forward(&sample.joints.unwrap());

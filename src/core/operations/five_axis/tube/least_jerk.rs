@@ -30,6 +30,11 @@ const ITERATIONS: usize = 200;
 const FIRST_WEIGHT: f64 = 1e3;
 const BETWEEN_WEIGHTS: usize = 15;
 
+/// The weight follows if one residual is more than `UNBALANCED` times the other. It then changes by the
+/// factor `WEIGHT_STEP`, as Boyd et al. do in section 3.4.1 with 10 and 2.
+const UNBALANCED: f64 = 5.0;
+const WEIGHT_STEP: f64 = 4.0;
+
 /// Ends the iterations: values and their projections differ by less, as a part of the radius.
 const NEAR: f64 = 2e-3;
 
@@ -127,9 +132,9 @@ impl Problem<'_> {
             if apart.max(moved) < NEAR || is_hopeless {
                 break;
             }
-            if (iteration + 1).is_multiple_of(BETWEEN_WEIGHTS) && (apart > 5.0 * moved || moved > 5.0 * apart)
-            {
-                let change: f64 = if apart > moved { 4.0 } else { 0.25 };
+            let is_unbalanced = apart > UNBALANCED * moved || moved > UNBALANCED * apart;
+            if (iteration + 1).is_multiple_of(BETWEEN_WEIGHTS) && is_unbalanced {
+                let change: f64 = if apart > moved { WEIGHT_STEP } else { WEIGHT_STEP.recip() };
                 weight *= change;
                 pull.iter_mut().for_each(|y| *y = y.map(|y| y / change));
                 factor = jerk.plus(&near, weight);

@@ -5,6 +5,7 @@ mod steering;
 use nalgebra::{Point2, Vector2};
 
 use super::super::PocketError;
+use super::super::chain::SHORTEST_MM;
 use super::super::router::{Purpose, Router};
 use super::wall::{OnWall, Wall};
 use crate::budget::Budget;
@@ -31,6 +32,17 @@ const LOOKED_AT: f64 = 0.1;
 
 /// How near the boundary the centre of a turn may be, mm.
 const ON_EDGE_MM: f64 = 1e-7;
+
+/// Turns below this are none, radians: an arc of two cutter radii leaves its chord by a quarter of a
+/// millionth of the cutter's radius there, and the centre of a flatter arc is far away and inexact.
+const LEAST_TURN: f64 = 1e-6;
+
+/// A rest of the wall that is no longer is not searched for material, mm.
+const REST_MM: f64 = 1e-5;
+
+/// A pass that gets no farther than this is stuck, mm: it then follows the wall although the angle there is
+/// too large, or it would not end.
+const STUCK_MM: f64 = 1e-3;
 
 /// The most arcs.
 const MOST_ARCS: usize = 1_000_000;
@@ -74,7 +86,7 @@ impl State {
 
     fn arc(self, curvature: f64, length_mm: f64) -> Segment {
         let turn = curvature * length_mm;
-        if turn.abs() < 1e-6 {
+        if turn.abs() < LEAST_TURN {
             return Segment::Line { start: self.at, end: self.at + self.along * length_mm };
         }
         let center = self.at + left(self.along) / curvature;
@@ -175,7 +187,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
                     End::Inside => {
                         let Some((at, along)) = self.router.heading() else { return Ok(()) };
                         state = State { at, along };
-                        is_stuck = (at - before).norm() < 1e-3;
+                        is_stuck = (at - before).norm() < STUCK_MM;
                     }
                     _ => break,
                 },
@@ -223,7 +235,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
                 if self.has_room(&arc.part(0.0, middle)) { low = middle } else { high = middle }
             }
             let before = arc.part(0.0, low);
-            if before.length() > 1e-6 {
+            if before.length() > SHORTEST_MM {
                 self.cut(before)?;
                 state = State::after(&before);
             }
@@ -232,7 +244,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
             let spoke = state.at - center;
             let to = (q - center).normalize() * spoke.norm();
             let turn = spoke.perp(&to).atan2(spoke.dot(&to));
-            if turn > 1e-6 {
+            if turn > LEAST_TURN {
                 self.cut(Segment::about(center, spoke.norm(), [state.at, center + to], turn))?;
             }
             return Ok(End::Wall(place));
@@ -285,7 +297,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
                 let middle = 0.5 * (low + high);
                 if fits(self, middle) { low = middle } else { high = middle }
             }
-            if low * length > 1e-6 {
+            if low * length > SHORTEST_MM {
                 self.cut(part.part(0.0, low))?;
                 place = self.wall.onward(place, low * length);
             }
@@ -299,7 +311,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
 
     fn has_material_on_wall(&mut self, from: OnWall, length_mm: f64) -> bool {
         let (mut place, mut left) = (from, length_mm);
-        while left > 1e-5 {
+        while left > REST_MM {
             let part = self.wall.part(place, left);
             if self.has_material(&part) {
                 return true;
@@ -346,7 +358,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
                 }
                 return Some(self.wall.onward(from, gone + low * part.length()));
             }
-            gone += part.length().max(1e-6);
+            gone += part.length().max(SHORTEST_MM);
         }
         None
     }

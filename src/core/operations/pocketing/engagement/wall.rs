@@ -3,12 +3,9 @@
 
 use nalgebra::Point2;
 
-use super::super::chain::nearest;
+use super::super::chain::{SHORTEST_MM, nearest};
 use crate::geometry::region::Region;
 use crate::geometry::segment::Segment;
-
-/// Parts of the wall are not shorter, mm.
-const SHORTEST_MM: f64 = 1e-6;
 
 pub struct Wall {
     loops: Vec<Loop>,

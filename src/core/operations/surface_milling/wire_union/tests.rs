@@ -41,13 +41,15 @@ fn shapes() -> [Shape; 3] {
     [Shape::Ball, Shape::Flat, Shape::BullNose { corner_radius_mm: 1.5 }]
 }
 
-/// Both ends of every cutting move.
+/// Both ends of every cutting move. Fails if there are none.
 fn tips(plan: &Plan) -> Vec<Point3<f64>> {
     let cuts = plan.toolpath.moves().filter_map(|step| match step {
         Move::Feed { along, role: Role::Cut, .. } => Some(along),
         _ => None,
     });
-    cuts.flat_map(|curve| [curve.start(), curve.end()]).collect()
+    let tips: Vec<_> = cuts.flat_map(|curve| [curve.start(), curve.end()]).collect();
+    assert!(!tips.is_empty(), "no cuts");
+    tips
 }
 
 fn is_warned(plan: &Plan) -> bool {

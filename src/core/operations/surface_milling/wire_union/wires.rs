@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 
 use super::super::Error;
 use crate::budget::Budget;
+use crate::geometry::spacing::spaces;
 use crate::geometry::surface::{BezierSurface, Patch};
-use crate::machining::offset_section::INSET_MM;
+use crate::machining::offset_section::{INSET_MM, INSET_PART};
 use crate::machining::upper_envelope::{Accuracy, Profiles, Stretch};
 
 /// The accuracy of the extent of the surface, mm: finer than [`INSET_MM`], by which the outermost wires are
@@ -49,8 +50,7 @@ impl WireModel {
         let low = -surface.farthest_along(&-Vector3::y(), EXTENT_ACCURACY_MM, budget)?;
         let high = surface.farthest_along(&Vector3::y(), EXTENT_ACCURACY_MM, budget)?;
         let width = high - low;
-        // Without the one part in 1e9, rounding could divide 80 mm at 2 mm into 41 spaces.
-        let spaces = (width / pitch_mm - 1e-9).ceil().max(1.0);
+        let spaces = spaces(width, pitch_mm);
         if spaces >= limit as f64 {
             let needed = (spaces as usize).saturating_add(1);
             return Err(Error::TooMuchWork { what: "wires", needed, limit });
@@ -89,8 +89,8 @@ fn outermost<P: Patch>(
 ) -> Result<Wire, Error> {
     let wide =
         |stretches: &[Stretch]| stretches.iter().map(|stretch| stretch.to.x - stretch.from.x).sum::<f64>();
-    let on_edge = profiles.stretches(extent + inward * INSET_MM.min(1e-3 * width), accuracy, budget)?;
-    let at = extent + inward * TOUCH_MM.min(1e-3 * width);
+    let on_edge = profiles.stretches(extent + inward * INSET_MM.min(INSET_PART * width), accuracy, budget)?;
+    let at = extent + inward * TOUCH_MM.min(INSET_PART * width);
     let inside = profiles.stretches(at, accuracy, budget)?;
     if wide(&on_edge) >= STRAIGHT_SHARE * wide(&inside) {
         Ok(Wire { at: extent, stretches: on_edge })

@@ -108,8 +108,14 @@ pub fn compare(toolpath: &Toolpath) {
         for (class, curve) in toolpath.moves().filter_map(classed) {
             let project = |p: Point3<f64>| drawing.at(view, axes.map(|axis| p[axis]));
             let chords = if matches!(curve, Curve::Line(_)) { 1 } else { 600 };
+            // Points at equal lengths would miss the tip of a parabola that turns back sharply. At equal
+            // parameters all chords leave the parabola equally little.
+            let at = |t: f64| match curve {
+                Curve::Parabola(parabola) => parabola.at(t),
+                _ => curve.point_at(t),
+            };
             let points: Vec<_> =
-                (0..=chords).map(|k| project(curve.point_at(f64::from(k) / f64::from(chords)))).collect();
+                (0..=chords).map(|k| project(at(f64::from(k) / f64::from(chords)))).collect();
             meant.entry(class).or_default().extend(points.windows(2).map(|pair| [pair[0], pair[1]]));
         }
         let [left, top, width, height] = drawing.frame(view);

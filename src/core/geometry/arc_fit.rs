@@ -48,6 +48,7 @@ mod optimal;
 mod space;
 mod stabbing_bound;
 mod tangent;
+mod turns;
 
 use nalgebra::{Point2, Vector2};
 

@@ -10,6 +10,8 @@
 //!    passes the points in their order. With [`Measure::Polyline`], the lines between the points also have to
 //!    be within the tolerance of the element. If the points have different heights, distances are measured in
 //!    space.
+//!    At last, an arc from each range is tried in which the lines between the points turn equally far about the
+//!    arc's centre (`turns`).
 //! 3. The best arc is as far from the farthest point on its left as from the farthest point on its right. If
 //!    this arc does not fit, the result is the element of step 2.
 //!
@@ -19,7 +21,7 @@ use nalgebra::Vector2;
 
 use super::chord::{Bulges, Chord, LARGEST_BULGE};
 use super::chord_frame::{ChordArc, ChordFrame};
-use super::{FLATTEST_MM, Measure, Shapes};
+use super::{FLATTEST_MM, Measure, Shapes, turns};
 use crate::geometry::segment::center;
 use crate::geometry::solve;
 
@@ -174,11 +176,13 @@ impl<'a> Span<'a> {
         // Mostly the lines exclude nothing that the points allow, so a few candidates are tried without the
         // lines' limits.
         let most = if rule.counts_lines() { 2 } else { usize::MAX };
-        let found = self.candidates(&near, &chord).take(most).find(&mut keeps);
-        if found.is_some() || !rule.counts_lines() {
-            return found;
+        let mut allowed = near;
+        let mut found = self.candidates(&near, &chord).take(most).find(&mut keeps);
+        if found.is_none() && rule.counts_lines() {
+            allowed = self.near_lines(near, rule)?;
+            found = self.candidates(&allowed, &chord).find(&mut keeps);
         }
-        self.candidates(&self.near_lines(near, rule)?, &chord).find(keeps)
+        found.or_else(|| turns::between(self.lines(), &allowed, &chord).into_iter().find(keeps))
     }
 
     /// The bulges to try: that of a line, and of arcs from all over the set.
@@ -187,14 +191,8 @@ impl<'a> Span<'a> {
             0.5, 0.25, 0.75, 0.02, 0.98, 0.125, 0.375, 0.625, 0.875, 0.0625, 0.1875, 0.3125, 0.4375, 0.5625,
             0.6875, 0.8125, 0.9375, 0.005, 0.995,
         ];
-        let flattest = chord.flattest();
         let line = bulges.contains(0.0).then_some(0.0);
-        let curved = bulges.parts().flat_map(move |[low, high]| {
-            [[low, high.min(-flattest)], [low.max(flattest), high]]
-                .into_iter()
-                .filter(|part| part[0] <= part[1])
-        });
-        let arcs = curved.flat_map(|part| {
+        let arcs = bulges.curved(chord.flattest()).flat_map(|part| {
             // Evenly by the arc's angle: evenly by the bulge, most would be nearly full circles.
             let [low, high] = part.map(f64::atan);
             PLACES.into_iter().map(move |place| (low + (high - low) * place).tan())

@@ -43,6 +43,15 @@ impl Bulges {
         parts.into_iter().filter(|part| part[0] <= part[1])
     }
 
+    /// The parts of [`Self::parts`] without the arcs flatter than `flattest`.
+    pub fn curved(&self, flattest: f64) -> impl Iterator<Item = [f64; 2]> + use<> {
+        self.parts().flat_map(move |[low, high]| {
+            [[low, high.min(-flattest)], [low.max(flattest), high]]
+                .into_iter()
+                .filter(|part| part[0] <= part[1])
+        })
+    }
+
     pub fn is_empty(&self) -> bool {
         self.parts().next().is_none()
     }

@@ -175,12 +175,13 @@ impl Section<'_> {
         self.buckets.values().flatten().map(|(_, tip)| tip)
     }
 
-    /// Whether the chain through `p` is no longer than `size`: no point is between `size` and 0.3 mm from
+    /// Whether the chain through `p` is no longer than `size`: no point is between `size` and 0.3 mm more from
     /// `p`.
     pub fn is_speck(&self, p: &Point3<f64>, size: f64) -> bool {
-        let near = bucket(p[self.locus.along] - 0.3)..=bucket(p[self.locus.along] + 0.3);
+        let reach = size + 0.3;
+        let near = bucket(p[self.locus.along] - reach)..=bucket(p[self.locus.along] + reach);
         let mut around = self.buckets.range(near).flat_map(|(_, touches)| touches);
-        around.all(|(_, tip)| !(size..0.3).contains(&(tip - p).norm()))
+        around.all(|(_, tip)| !(size..reach).contains(&(tip - p).norm()))
     }
 
     /// The distance from `p` to the curves, mm.

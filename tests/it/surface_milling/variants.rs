@@ -81,6 +81,24 @@ fn turned_plates_and_a_bowl_are_cut_from_end_to_end() {
 }
 
 #[test]
+fn a_sharp_corner_is_cut_up_to_its_tip() {
+    // Just below its tip, the kite is 0.001 mm wide: too little to be cut.
+    let corners = [[7.0, -2.0], [8.0, 0.0], [6.3, 0.0], [8.0, 8.0]];
+    let square = heights(4, [0.0, 1.0], Ends::Natural, |_, _| 0.0);
+    let kite = |p: &Point3<f64>| {
+        let shares = [(1.0 - p.x) * (1.0 - p.y), p.x * (1.0 - p.y), (1.0 - p.x) * p.y, p.x * p.y];
+        let [x, y] = [0, 1].map(|axis| (0..4).map(|k| shares[k] * corners[k][axis]).sum());
+        Point3::new(x, y, 0.0)
+    };
+    let square = job(square, 2.5, 2.0, 0.01, 3);
+    for engine in [Engine::Contact, Engine::OffsetSection] {
+        let square = Job { engine, ..square.clone() };
+        judge(&mapped(&square, SectionPlane::Zx, kite)).unwrap();
+        judge(&mapped(&square, SectionPlane::Yz, |p| Point3::from(kite(p).coords.yxz()))).unwrap();
+    }
+}
+
+#[test]
 fn a_grid_in_another_order_has_nearly_the_same_report() {
     let transposed = |points: &[Vec<Point3<f64>>]| -> Vec<Vec<_>> {
         (0..points[0].len()).map(|j| points.iter().map(|row| row[j]).collect()).collect()
@@ -168,7 +186,15 @@ fn noisy_points_are_cut_correctly_or_refused_where_the_ball_does_not_fit() {
         // On a part of 8 mm the noise bends the surface to about the radius of the ball.
         let surface = heights(9, [0.0, 8.0], Ends::NotAKnot, |x, y| 0.2 * x.sin() + 0.1 * y);
         let small = Job { plane, ..job(surface, 2.5, 2.0, 0.01, 3) };
-        let [cut, refused] = cut_and_refused(&small, 0.05, 1..11);
-        assert!(cut > 0 && refused > 0, "{cut} cut, {refused} refused");
+        let mut counts = [0, 0];
+        for first in (1..100).step_by(10) {
+            let more = cut_and_refused(&small, 0.05, first..first + 10);
+            counts = [0, 1].map(|k| counts[k] + more[k]);
+            // Ten parts alike happen with one seed in some forty.
+            if counts.iter().all(|count| *count > 0) {
+                break;
+            }
+        }
+        assert!(counts.iter().all(|count| *count > 0), "{} cut, {} refused", counts[0], counts[1]);
     }
 }

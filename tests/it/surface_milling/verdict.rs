@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::operations::surface_milling::{
-    CutDirection, Error, Job, Plan, SectionPlane, Spacing, Stock, plan,
+    CutDirection, Error, Job, Plan, SectionPlane, Spacing, Stock, Warning, plan,
 };
 
 use super::cutter::{Cutter, Depth};
@@ -26,6 +26,10 @@ const OUTERMOST_MM: f64 = 1e-6;
 /// How far the CL curves of such a plane may go beyond the path, mm. An arc of 1 m radius with a sagitta of
 /// 1e-6 mm has a chord of 0.09 mm.
 const OUTERMOST_REACH_MM: f64 = 0.1;
+
+/// Pieces of passes shorter than this share of the cutter's radius may be left out. A warning then states their
+/// length.
+const LEFT_OUT_SHARE: f64 = 0.1;
 
 /// The figures that were found.
 #[derive(Debug, Clone, Copy)]
@@ -77,6 +81,7 @@ fn verify(job: &Job, plan: &Plan) -> Found {
         plan.report
     );
 
+    let left_out_mm = left_out(job, plan);
     let locus = Locus::new(&surface, job.tool.radius_mm, normal);
     let planes = planes(moves(), normal);
     let extent = locus.extent();
@@ -87,7 +92,7 @@ fn verify(job: &Job, plan: &Plan) -> Found {
         let as_written = cuts(text.iter().copied(), normal, offset, step);
         for path in [cuts(moves(), normal, offset, 1e-9), as_written] {
             deviation_mm = deviation_mm.max(path_to_curves(&section, &path));
-            let back = curves_to_path(&section, &path, job.tolerance.mm());
+            let back = curves_to_path(&section, &path, job.tolerance.mm(), left_out_mm);
             if inner == offset {
                 deviation_mm = deviation_mm.max(back);
             } else {
@@ -111,7 +116,7 @@ fn verify(job: &Job, plan: &Plan) -> Found {
         radius_mismatch_mm <= 1.5 * job.resolution.step_mm() + 1e-9,
         "the radii of an arc differ by {radius_mismatch_mm}"
     );
-    planes_reach_from_end_to_end(job, &planes, extent);
+    planes_reach_from_end_to_end(job, &planes, &locus);
     Found { gouge_mm, deviation_mm, radius_mismatch_mm }
 }
 
@@ -202,11 +207,32 @@ fn planes(moves: impl Iterator<Item = (Kind, Motion)>, normal: usize) -> Vec<f64
     planes
 }
 
+/// The length of the longest piece of a pass that may be left out, mm: the length that the warning states.
+/// Without a warning, only pieces that vanish in rounding may be left out.
+fn left_out(job: &Job, plan: &Plan) -> f64 {
+    let stated = plan.warnings.iter().find_map(|warning| match warning {
+        Warning::ShortPiecesLeftOut { longest_mm, .. } => Some(*longest_mm),
+        _ => None,
+    });
+    let most = LEFT_OUT_SHARE * job.tool.radius_mm;
+    assert!(stated.is_none_or(|mm| mm < most), "a piece of {stated:?} mm is left out, more than {most} mm");
+    stated.unwrap_or(0.0).max(vanishing_mm(job))
+}
+
+/// The length up to which a piece of a pass vanishes in rounding, mm.
+fn vanishing_mm(job: &Job) -> f64 {
+    2.0 * job.resolution.step_mm() + ACCURACY_MM
+}
+
 /// Fails unless the planes are equally spaced, no farther apart than the stepover, and the first and the last
-/// are where the CL points end.
-fn planes_reach_from_end_to_end(job: &Job, planes: &[f64], extent: [f64; 2]) {
-    let (first, last) = (planes[0], planes[planes.len() - 1]);
-    let reaches = (first - extent[0]).abs() < 0.01 && (last - extent[1]).abs() < 0.01;
+/// are where the CL points end. At a sharp corner they may be farther inside, but only if a plane half as far
+/// inside holds no CL curve long enough to be cut.
+fn planes_reach_from_end_to_end(job: &Job, planes: &[f64], locus: &Locus) {
+    let (first, last, extent) = (planes[0], planes[planes.len() - 1], locus.extent());
+    let reaches = [(first, extent[0]), (last, extent[1])].into_iter().all(|(plane, end)| {
+        let before = locus.section(0.5 * (plane + end));
+        (plane - end).abs() < 0.01 || before.points().all(|p| before.is_speck(p, vanishing_mm(job)))
+    });
     assert!(reaches, "the planes {planes:?} do not reach the ends {extent:?} of the CL points");
     let spacing = (last - first) / (planes.len() - 1) as f64;
     let Spacing::Stepover(stepover_mm) = job.spacing else { panic!("{:?}", job.spacing) };
@@ -239,8 +265,9 @@ fn path_to_curves(section: &Section, path: &[Motion]) -> f64 {
     largest
 }
 
-/// The largest distance of a point of the CL curves from the path, mm.
-fn curves_to_path(section: &Section, path: &[Motion], tolerance: f64) -> f64 {
+/// The largest distance of a point of the CL curves from the path, mm. Chains up to `left_out_mm` mm long are
+/// left out.
+fn curves_to_path(section: &Section, path: &[Motion], tolerance: f64, left_out_mm: f64) -> f64 {
     assert!(!path.is_empty(), "nothing is cut at {}", section.offset);
     let mut largest: f64 = 0.0;
     // The motion that was nearest to the last point is usually nearest again. A point that is nearer to some
@@ -257,8 +284,7 @@ fn curves_to_path(section: &Section, path: &[Motion], tolerance: f64) -> f64 {
                 (nearest, last) = (distance, k);
             }
         }
-        // A plan may leave out chains that are shorter than the tolerance.
-        if nearest > tolerance && section.is_speck(p, tolerance) {
+        if nearest > tolerance && section.is_speck(p, left_out_mm + ACCURACY_MM) {
             continue;
         }
         largest = largest.max(nearest);

@@ -216,6 +216,11 @@ impl Job {
         }
     }
 
+    /// Length up to which a piece of a section is not cut, mm: it would vanish in rounding.
+    pub(super) fn vanishing_mm(&self) -> f64 {
+        2.0 * self.resolution.step_mm()
+    }
+
     /// The distance of a ball's centre from the surface, mm.
     pub(super) fn offset_mm(&self) -> f64 {
         self.tool.radius_mm + self.allowance_mm

@@ -240,12 +240,10 @@ fn cut_plane(
     let mut fit_tolerance =
         tolerance - ROUNDING_STEPS * job.resolution.step_mm() - 2.0 * spacing.chord_height_mm;
     fit_tolerance = fit_tolerance.max(0.1 * tolerance);
-    // A shorter chain would vanish in rounding.
-    let shortest = 2.0 * job.resolution.step_mm();
     let mut worst = (Deviation::NONE, Point3::origin());
     for tries in 0..REFINEMENT_LIMIT {
         let mut chains = slicer.chains(plane, spacing, budget)?;
-        chains.retain(|chain| chain.length() > shortest);
+        chains.retain(|chain| chain.length() > job.vanishing_mm());
         let left_out = leave_out_short(&mut chains, SHORT_SHARE * job.cutter().radius());
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =

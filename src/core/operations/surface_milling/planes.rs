@@ -116,10 +116,6 @@ fn extent_where<E>(
     Ok(Some([low, high]))
 }
 
-fn length(chains: &[Chain]) -> f64 {
-    chains.iter().map(Chain::length).sum()
-}
-
 fn raised(mut chains: Vec<Chain>, by: f64) -> Vec<Chain> {
     chains.iter_mut().flat_map(|chain| &mut chain.points).for_each(|point| point.z += by);
     chains
@@ -154,8 +150,8 @@ impl<'a> Slicer<'a> {
         Ok(inside)
     }
 
-    /// Equally spaced planes at most `stepover` mm apart, the first and the last on the extent of the CL
-    /// points.
+    /// Equally spaced planes at most `stepover` mm apart, the first and the last at the ends of the extent of
+    /// the CL points.
     pub(super) fn planes(&self, job: &Job, stepover: f64, budget: &Budget) -> Result<Vec<PlaneAt>, Error> {
         let reach = self.reach()?;
         let spaces = spaces(reach[1] - reach[0], stepover);
@@ -169,8 +165,8 @@ impl<'a> Slicer<'a> {
             None => self.curves.extent(reach, budget)?,
         };
         let (width, n) = (high - low, self::spaces(high - low, stepover) as usize);
-        let first = self.outermost(low, 1.0, width, budget)?;
-        let last = self.outermost(high, -1.0, width, budget)?;
+        let first = self.outermost(job, low, 1.0, [width, stepover], budget)?;
+        let last = self.outermost(job, high, -1.0, [width, stepover], budget)?;
         let between = |k: usize| first.at + (last.at - first.at) * (k as f64 / n as f64);
         let inner = (1..n).map(|k| PlaneAt::new(between(k)));
         Ok(std::iter::once(first).chain(inner).chain([last]).collect())
@@ -189,20 +185,34 @@ impl<'a> Slicer<'a> {
         extent_where([low, high], is_inside)?.ok_or(Error::NothingToCut)
     }
 
-    /// The outermost plane at `extent` mm; `inward` (1 or -1) points into the part. Along a straight edge the
-    /// plane lies on the extent, else [`TOUCH_MM`] inside.
-    fn outermost(&self, extent: f64, inward: f64, width: f64, budget: &Budget) -> Result<PlaneAt, Error> {
-        let on_edge = extent + inward * INSET_MM.min(INSET_PART * width);
-        let inside = extent + inward * TOUCH_MM.min(INSET_PART * width);
-        if self.cut_length(on_edge, budget)? >= STRAIGHT_SHARE * self.cut_length(inside, budget)? {
-            Ok(PlaneAt { at: extent, traced_at: on_edge })
-        } else {
-            Ok(PlaneAt::new(inside))
+    /// The outermost plane at the end `extent` mm; `inward` (1 or -1) points into the part. Along a straight
+    /// edge the plane lies on the extent, else [`TOUCH_MM`] inside. At the tip of a sharp corner it lies
+    /// farther inside, where the section is long enough to be cut, but by no more than half of `stepover` mm.
+    fn outermost(
+        &self,
+        job: &Job,
+        extent: f64,
+        inward: f64,
+        [width, stepover]: [f64; 2],
+        budget: &Budget,
+    ) -> Result<PlaneAt, Error> {
+        let length = |inset: f64| self.cut_length(extent + inward * inset, job.vanishing_mm(), budget);
+        let [on_edge, mut inset] = [INSET_MM, TOUCH_MM].map(|inset| inset.min(INSET_PART * width));
+        let farthest = 0.5 * stepover.min(0.5 * width);
+        let mut inside = length(inset)?;
+        if inside > 0.0 && length(on_edge)? >= STRAIGHT_SHARE * inside {
+            return Ok(PlaneAt { at: extent, traced_at: extent + inward * on_edge });
         }
+        while inside == 0.0 && inset < farthest {
+            inset = farthest.min(2.0 * inset);
+            inside = length(inset)?;
+        }
+        Ok(PlaneAt::new(extent + inward * inset))
     }
 
-    /// The total length of the sections in the plane at `at` mm, roughly.
-    fn cut_length(&self, at: f64, budget: &Budget) -> Result<f64, Error> {
-        Ok(length(&self.chains(PlaneAt::new(at), COARSE, budget)?))
+    /// The total length of the sections in the plane at `at` mm that are longer than `vanishing` mm, roughly.
+    fn cut_length(&self, at: f64, vanishing: f64, budget: &Budget) -> Result<f64, Error> {
+        let chains = self.chains(PlaneAt::new(at), COARSE, budget)?;
+        Ok(chains.iter().map(Chain::length).filter(|length| *length > vanishing).sum())
     }
 }

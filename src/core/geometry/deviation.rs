@@ -55,10 +55,6 @@ const LOOK_PART: f64 = 1.0 / 64.0;
 /// Cells between two looks at whether the proof is still wanted.
 const CELLS_BETWEEN_CHECKS: usize = 64;
 
-/// The part by which a product of a few factors is made larger, so that it bounds the exact product: some 40
-/// units of rounding.
-const OUTWARD: f64 = 1e-14;
-
 /// If the range has more breaks than `BREAKS_TO_PROBE`, a few parameters are read first, because the element
 /// will hardly fit. `PROBES` is the number of parts that these parameters divide the range into.
 const BREAKS_TO_PROBE: usize = 4;

@@ -169,6 +169,63 @@ fn every_file_that_the_architecture_names_exists() {
     }
 }
 
+/// A word of the glossary names types of its own meaning alone: they are in the modules of its row, and each of
+/// these modules (or one below it, where the row ends it with a slash) has one.
+#[test]
+fn types_named_by_a_word_of_the_glossary_are_where_its_row_tells() {
+    let architecture = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ARCHITECTURE.md");
+    let text = fs::read_to_string(architecture).unwrap();
+    let glossary = text.split("## Glossary").nth(1).unwrap();
+    let rows: Vec<Vec<&str>> = glossary
+        .lines()
+        .filter(|line| line.starts_with("| "))
+        .map(|line| line.trim_matches('|').split('|').collect())
+        .skip(1)
+        .collect();
+    assert!(rows.len() > 40, "only {} words were found", rows.len());
+    let mut types = BTreeMap::<String, Vec<String>>::new();
+    for (path, text) in sources() {
+        let module = module_of(&path);
+        if !module.iter().any(|name| name == "tests") {
+            for name in code_lines(without_tests(&text)).filter_map(|(_, line)| type_defined(line)) {
+                types.entry(name.to_owned()).or_default().push(module.join("/"));
+            }
+        }
+    }
+    let mut wrong = Vec::new();
+    for row in &rows {
+        let named: Vec<&str> = row[2].split('`').skip(1).step_by(2).collect();
+        let covers = |named: &str, module: &str| {
+            if named.ends_with('/') { module.starts_with(named) } else { module == named }
+        };
+        let own: Vec<&String> =
+            row[0].split([',', ';']).filter_map(|word| types.get(&camel_case(word))).flatten().collect();
+        for module in own.iter().filter(|module| !named.iter().any(|named| covers(named, module))) {
+            wrong.push(format!("{module} has a type named by{}, which its row does not tell", row[0]));
+        }
+        for named in named.iter().filter(|named| !own.iter().any(|module| covers(named, module))) {
+            wrong.push(format!("the row of{}tells of {named}, where no type has its name", row[0]));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The name of the type that a line of code defines.
+fn type_defined(line: &str) -> Option<&str> {
+    let rest = line.trim_start();
+    let rest = match rest.strip_prefix("pub") {
+        Some(public) => public.split_once(' ')?.1,
+        None => rest,
+    };
+    let name = ["struct ", "enum ", "trait ", "type "].iter().find_map(|kind| rest.strip_prefix(kind))?;
+    name.split(|c: char| !c.is_alphanumeric()).next()
+}
+
+/// A word of the glossary as the name of a type.
+fn camel_case(word: &str) -> String {
+    word.split_whitespace().map(|part| part[..1].to_uppercase() + &part[1..]).collect()
+}
+
 /// The path of the module in a file, by segments. The first segment is the folder of the crate.
 fn module_of(path: &Path) -> Vec<String> {
     let inner = path.strip_prefix("src").unwrap().with_extension("");

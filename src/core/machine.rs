@@ -64,7 +64,7 @@ pub use straying::Straying;
 
 /// The positions of the five axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Joints {
+pub struct AxisPositions {
     /// X, Y and Z, mm.
     pub linear_mm: [f64; 3],
     /// The two rotary axes, radians.
@@ -76,7 +76,7 @@ pub struct Joints {
 pub enum Inverse {
     /// Two solutions, with angles in (-pi, pi]. The branch is the place in the array. At the end of reach
     /// both are equal.
-    Two([Joints; 2]),
+    Two([AxisPositions; 2]),
     /// The angle of the axis [`Machine::free_axis`] is free. `fixed` is the angle of the other one, radians,
     /// in (-pi, pi]. [`Machine::at`] gives the linear axes for a chosen angle.
     Pole { fixed: f64 },
@@ -253,7 +253,7 @@ impl Machine {
     }
 
     /// The pose of the tool at the given positions.
-    pub fn forward(&self, joints: &Joints) -> Pose {
+    pub fn forward(&self, joints: &AxisPositions) -> Pose {
         let mut tip = add(joints.linear_mm, self.head_shift(joints.rotary));
         for ((line, angle), is_head) in self.lines.iter().zip(joints.rotary).zip(self.kind.heads()) {
             if !is_head {
@@ -280,7 +280,7 @@ impl Machine {
 
     /// The positions for a pose whose angles are nearest to given ones; the given angles where the machine
     /// does not reach the tool axis.
-    pub fn nearest(&self, pose: &Pose, near: [f64; 2]) -> Joints {
+    pub fn nearest(&self, pose: &Pose, near: [f64; 2]) -> AxisPositions {
         let rotary = match self.inverse(pose) {
             Inverse::Two(both) => nearer(both.map(|joints| joints.rotary), near),
             Inverse::Pole { fixed } => {
@@ -294,8 +294,8 @@ impl Machine {
     }
 
     /// The positions that bring the tip to its place with the given angles of the rotary axes, radians.
-    pub fn at(&self, tip: &Point3<f64>, rotary: [f64; 2]) -> Joints {
-        Joints { linear_mm: self.linear([tip.x, tip.y, tip.z], rotary), rotary }
+    pub fn at(&self, tip: &Point3<f64>, rotary: [f64; 2]) -> AxisPositions {
+        AxisPositions { linear_mm: self.linear([tip.x, tip.y, tip.z], rotary), rotary }
     }
 
     /// The value and the first three derivatives of X, Y, Z (mm) and the two rotary axes (radians) by the
@@ -307,7 +307,7 @@ impl Machine {
         &self,
         tip: &[Vector3<f64>; 4],
         axis: &[Vector3<f64>; 4],
-        near: &Joints,
+        near: &AxisPositions,
     ) -> Option<[[f64; 4]; 5]> {
         let along = |of: &[Vector3<f64>; 4]| {
             [0, 1, 2].map(|k| Series::from_derivatives([of[0][k], of[1][k], of[2][k], of[3][k]]))
@@ -326,14 +326,14 @@ impl Machine {
         &self,
         tip: [[Ball; N]; 3],
         axis: [[Ball; N]; 3],
-        near: &Joints,
+        near: &AxisPositions,
     ) -> Option<[[Ball; N]; 5]> {
         let all = self.along(tip.map(Series), axis.map(Series), near)?.map(|series| series.0);
         all.iter().flatten().all(|ball| ball.most().is_finite()).then_some(all)
     }
 
     /// The positions for a tip and a vector along the tool axis.
-    fn along<S: Scalar>(&self, tip: [S; 3], axis: [S; 3], near: &Joints) -> Option<[S; 5]> {
+    fn along<S: Scalar>(&self, tip: [S; 3], axis: [S; 3], near: &AxisPositions) -> Option<[S; 5]> {
         let Orientation::Two(both) = self.pair.solve(axis) else {
             return None;
         };

@@ -46,7 +46,7 @@ pub struct Turn {
 
 /// The stroke that is not written yet.
 #[derive(Debug, Clone, Copy)]
-struct Run {
+struct OpenStroke {
     anchor: Point2<f64>,
     last: Point2<f64>,
     cone: Option<Cone>,
@@ -65,7 +65,7 @@ struct Cone {
 #[derive(Debug)]
 pub struct Pen {
     data: String,
-    run: Option<Run>,
+    run: Option<OpenStroke>,
     /// The written end of the path data, in hundredths of a millimetre.
     at: Option<[i64; 2]>,
     ink: Option<Ink>,
@@ -87,12 +87,12 @@ impl Pen {
     pub fn line(&mut self, from: Point2<f64>, to: Point2<f64>) {
         let Some(run) = self.run.filter(|run| run.last == from) else {
             self.end_run();
-            self.run = Some(Run::new(from, to));
+            self.run = Some(OpenStroke::new(from, to));
             return;
         };
         self.run = Some(run.through(to).unwrap_or_else(|| {
             self.write_line(run.anchor, run.last);
-            Run::new(run.last, to)
+            OpenStroke::new(run.last, to)
         }));
     }
 
@@ -195,7 +195,7 @@ impl Pen {
     }
 }
 
-impl Run {
+impl OpenStroke {
     fn new(anchor: Point2<f64>, to: Point2<f64>) -> Self {
         let arm = to - anchor;
         let distance = arm.norm();
@@ -206,8 +206,8 @@ impl Run {
 
     /// The run continued to `to`; `None` if one stroke cannot replace it. It can if `to` lies in the cone and
     /// is not nearer to the anchor than the last point.
-    fn through(&self, to: Point2<f64>) -> Option<Run> {
-        let Some(cone) = self.cone else { return Some(Run::new(self.anchor, to)) };
+    fn through(&self, to: Point2<f64>) -> Option<OpenStroke> {
+        let Some(cone) = self.cone else { return Some(OpenStroke::new(self.anchor, to)) };
         let (reach, arm) = ((self.last - self.anchor).norm(), to - self.anchor);
         let distance = arm.norm();
         let angle = cone.first.perp(&arm).atan2(cone.first.dot(&arm));
@@ -216,7 +216,7 @@ impl Run {
         }
         let half = half_angle(distance);
         let cone = Cone { low: cone.low.max(angle - half), high: cone.high.min(angle + half), ..cone };
-        Some(Run { last: to, cone: Some(cone), ..*self })
+        Some(OpenStroke { last: to, cone: Some(cone), ..*self })
     }
 }
 

@@ -9,7 +9,7 @@ use super::custom;
 use super::lower::Lowered;
 use super::posed::VECTOR_DECIMALS;
 use super::rails::{FineGrid, RailWords};
-use super::read::{Pace, Placed, Posed, ROTARY, RailStep, Reader, Step, TipMode};
+use super::read::{Placed, Posed, PosedFeed, ROTARY, RailStep, Reader, Step, TipMode};
 use super::words::FeedWord;
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
 use toolpathd_core::budget::Budget;
@@ -129,24 +129,24 @@ fn difference(
     match (*block, placed.step) {
         (Block::Rotate { angles }, Step::Posed(posed)) => first_false(&[
             (is_axis(AxisWords::Angles(angles), &posed), "axis"),
-            ((posed.mode, posed.pace) == (TipMode::Off, Pace::Rapid), "mode"),
+            ((posed.mode, posed.feed) == (TipMode::Off, PosedFeed::Rapid), "mode"),
         ]),
         (Block::BeginTipControl { axis, .. }, Step::Posed(posed)) => first_false(&[
             (place(&posed), "place"),
             (is_axis(axis, &posed), "axis"),
-            (posed.mode != TipMode::Off && posed.pace == Pace::Rapid, "mode"),
+            (posed.mode != TipMode::Off && posed.feed == PosedFeed::Rapid, "mode"),
         ]),
         (Block::Posed { axis, feed, .. }, Step::Posed(posed)) => first_false(&[
             (place(&posed), "place"),
             (is_axis(axis, &posed), "axis"),
             (
-                match (feed, posed.pace) {
-                    (BlockFeed::Rapid, Pace::Rapid) => true,
-                    (BlockFeed::PerMinute(feed), Pace::Feed(rate)) => is_feed(rate, feed),
-                    (BlockFeed::InverseTime(feed), Pace::Seconds(seconds)) => {
+                match (feed, posed.feed) {
+                    (BlockFeed::Rapid, PosedFeed::Rapid) => true,
+                    (BlockFeed::PerMinute(feed), PosedFeed::Feed(rate)) => is_feed(rate, feed),
+                    (BlockFeed::InverseTime(feed), PosedFeed::Seconds(seconds)) => {
                         (seconds * feed.value() - 60.0).abs() <= INVERSE_TIME_AGREEMENT
                     }
-                    (BlockFeed::DegreesPerMinute(feed), Pace::DegreesPerMinute(rate)) => {
+                    (BlockFeed::DegreesPerMinute(feed), PosedFeed::DegreesPerMinute(rate)) => {
                         (rate - feed.value()).abs() <= FEED_AGREEMENT * feed.value()
                     }
                     _ => false,
@@ -155,7 +155,7 @@ fn difference(
             ),
         ]),
         (Block::Rapid { .. } | Block::Park { .. }, Step::Posed(posed)) => {
-            first_false(&[(place(&posed), "place"), (posed.pace == Pace::Rapid, "mode")])
+            first_false(&[(place(&posed), "place"), (posed.feed == PosedFeed::Rapid, "mode")])
         }
         (Block::Rapid { .. } | Block::Park { .. }, Step::Rapid { from, to }) => {
             first_false(&[(are_near(from, start) && are_near(to, *at), "place")])

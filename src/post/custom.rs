@@ -13,7 +13,7 @@ use std::fmt;
 use std::ops::{Range, RangeInclusive};
 
 use super::dialect::{Dialect, Frame, Syntax};
-use super::nc::{Effect, Function, Lexer, Place, Token, effect, function};
+use super::nc::{Effect, Function, Lexer, PositionEffect, Token, effect, function};
 use toolpathd_core::toolpath::program::Custom;
 
 /// Most lines of one place.
@@ -213,7 +213,9 @@ fn check_word(letter: u8, number: &str, text: &str, places: &[i32]) -> Result<Fo
         }
         b'G' => match effect(tenths) {
             Effect::Begins(..) | Effect::Units(_) | Effect::Centers(_) => Err(Fault::forbidden(text)),
-            Effect::Place(Place::Taken | Place::Elsewhere) => Err(Fault::forbidden(text)),
+            Effect::Position(PositionEffect::Taken | PositionEffect::Elsewhere) => {
+                Err(Fault::forbidden(text))
+            }
             _ => Ok(found),
         },
         b'M' => match function(tenths) {

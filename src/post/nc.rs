@@ -15,7 +15,7 @@ mod fault;
 mod lexer;
 mod modal;
 
-pub use codes::{Codes, Effect, Function, Place, effect, function, modal_group};
+pub use codes::{Codes, Effect, Function, PositionEffect, effect, function, modal_group};
 pub use decimal::{Decimal, SCALES, is_coordinate};
 pub use fault::{Fault, WordFault};
 pub use lexer::{Lexer, Token};

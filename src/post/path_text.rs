@@ -25,7 +25,7 @@ const LARGEST_MM: f64 = 1e6;
 
 /// What the readers need besides the text.
 #[derive(Debug, Clone, Copy)]
-pub struct Reading {
+pub struct ReadSettings {
     /// The feed of motions for which the text states none.
     pub feed: Option<FeedRate>,
     /// The most poses.

@@ -23,14 +23,14 @@ mod legs;
 
 use nalgebra::Point3;
 
-use self::legs::{Leg, Legs, Pace};
+use self::legs::{Leg, LegTime, Legs};
 use super::block::{AxisWords, Block, BlockFeed, Blocks};
 use super::dialect::{AxisOutput, Numbers, Turns};
 use super::rails::{self, FineGrid, RailWords, Rounded};
 use super::words::{self, FeedWord};
 use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
 use toolpathd_core::budget::Budget;
-use toolpathd_core::machine::{Joints, Machine, Straying};
+use toolpathd_core::machine::{AxisPositions, Machine, Straying};
 use toolpathd_core::toolpath::path::Toolpath;
 use toolpathd_core::toolpath::pose::Pose;
 use toolpathd_core::toolpath::quantize::Grid;
@@ -108,12 +108,14 @@ pub fn lower(
             budget.progress("lowering", k, legs.len());
             checked = lowering.blocks.len();
         }
-        match (leg.rail, leg.pace) {
-            (Some(rail), Pace::Feed(rate)) => lowering.rail(rail, &leg.to, rate)?,
-            (_, Pace::Dwell(seconds)) => lowering.blocks.dwell(seconds, job.dialect.abilities.max_dwell_s)?,
-            (_, pace) => {
+        match (leg.rail, leg.time) {
+            (Some(rail), LegTime::Feed(rate)) => lowering.rail(rail, &leg.to, rate)?,
+            (_, LegTime::Dwell(seconds)) => {
+                lowering.blocks.dwell(seconds, job.dialect.abilities.max_dwell_s)?
+            }
+            (_, time) => {
                 let ends = [joints_at(k), joints_at(k + 1)];
-                lowering.motion([&from, &leg.to], ends, pace, MOST_HALVINGS)?;
+                lowering.motion([&from, &leg.to], ends, time, MOST_HALVINGS)?;
             }
         }
         from = leg.to;
@@ -124,7 +126,7 @@ pub fn lower(
 }
 
 /// The positions at the start and at the end of each motion.
-fn followed(machine: &Machine, start: &Pose, legs: &[Leg]) -> Result<Vec<Joints>, WriteError> {
+fn followed(machine: &Machine, start: &Pose, legs: &[Leg]) -> Result<Vec<AxisPositions>, WriteError> {
     let poses: Vec<Pose> = std::iter::once(*start).chain(legs.iter().map(|leg| leg.to)).collect();
     machine.follow(&poses, [0.0; 2]).map_err(|error| {
         let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
@@ -150,7 +152,12 @@ struct Lowering<'a> {
 
 impl Lowering<'_> {
     /// Turns the rotary axes where the tool was changed, then brings the tip to the start.
-    fn approach(&mut self, start: &Pose, joints: Option<Joints>, clearance: i64) -> Result<(), WriteError> {
+    fn approach(
+        &mut self,
+        start: &Pose,
+        joints: Option<AxisPositions>,
+        clearance: i64,
+    ) -> Result<(), WriteError> {
         (self.at, self.axis) = self.rounded(start, joints)?;
         let [x, y, z] = self.at;
         if let AxisWords::Angles(angles) = self.axis {
@@ -206,17 +213,17 @@ impl Lowering<'_> {
     fn motion(
         &mut self,
         [from, to]: [&Pose; 2],
-        joints: [Option<Joints>; 2],
-        pace: Pace,
+        joints: [Option<AxisPositions>; 2],
+        time: LegTime,
         halvings: u32,
     ) -> Result<(), WriteError> {
         let ([Some(first), Some(last)], Some(machine)) = (joints, self.five.machine) else {
-            return self.block([from, to], joints[1], pace);
+            return self.block([from, to], joints[1], time);
         };
         let straying = self.straying(&first, &last);
         let allowed = self.five.allowed;
         if straying.tip_mm <= allowed.tip_mm && straying.axis <= allowed.axis {
-            return self.block([from, to], joints[1], pace);
+            return self.block([from, to], joints[1], time);
         }
         if halvings == 0 {
             return Err(WriteError::NearPole { at: from.tip });
@@ -224,16 +231,16 @@ impl Lowering<'_> {
         let middle = from.between(to, 0.5);
         let near = [0, 1].map(|k| 0.5 * (first.rotary[k] + last.rotary[k]));
         let there = machine.nearest(&middle, near);
-        let half = match pace {
-            Pace::Seconds(seconds) => Pace::Seconds(0.5 * seconds),
-            pace => pace,
+        let half = match time {
+            LegTime::Seconds(seconds) => LegTime::Seconds(0.5 * seconds),
+            time => time,
         };
         self.motion([from, &middle], [Some(first), Some(there)], half, halvings - 1)?;
         self.motion([&middle, to], [Some(there), Some(last)], half, halvings - 1)
     }
 
     /// How far the tool strays between two positions.
-    fn straying(&self, from: &Joints, to: &Joints) -> Straying {
+    fn straying(&self, from: &AxisPositions, to: &AxisPositions) -> Straying {
         let Some(machine) = self.five.machine else { return Straying::default() };
         let straying = machine.straying(from, to);
         match self.five.output {
@@ -248,8 +255,8 @@ impl Lowering<'_> {
     fn block(
         &mut self,
         [from, to]: [&Pose; 2],
-        joints: Option<Joints>,
-        pace: Pace,
+        joints: Option<AxisPositions>,
+        time: LegTime,
     ) -> Result<(), WriteError> {
         let (at, axis) = self.rounded(to, joints)?;
         let off = self.rounding(to, at, axis);
@@ -261,9 +268,9 @@ impl Lowering<'_> {
         self.displacement_axis = self.displacement_axis.max(off.axis + straying.axis);
         let length = (to.tip - from.tip).norm();
         let seconds = self.owed_s
-            + match pace {
-                Pace::Feed(rate) => length / rate.mm_per_s(),
-                Pace::Seconds(seconds) | Pace::Dwell(seconds) => seconds,
+            + match time {
+                LegTime::Feed(rate) => length / rate.mm_per_s(),
+                LegTime::Seconds(seconds) | LegTime::Dwell(seconds) => seconds,
             };
         if (at, axis) == (self.at, self.axis) {
             self.owed_s = seconds;
@@ -273,8 +280,8 @@ impl Lowering<'_> {
         self.end_rails()?;
         let was = std::mem::replace(&mut self.axis, axis);
         (self.at, self.owed_s) = (at, 0.0);
-        let feed = match pace {
-            Pace::Feed(rate) if !rests && self.five.output != AxisOutput::Machine => BlockFeed::PerMinute(
+        let feed = match time {
+            LegTime::Feed(rate) if !rests && self.five.output != AxisOutput::Machine => BlockFeed::PerMinute(
                 words::feed(rate, self.job.program.resolution.units, &self.job.dialect.numbers)?,
             ),
             _ => match self.job.dialect.five_axes.turns {
@@ -307,15 +314,19 @@ impl Lowering<'_> {
     }
 
     /// The positions of the axes that words state; none for vectors.
-    fn positions(&self, at: [i64; 3], axis: AxisWords) -> Option<Joints> {
+    fn positions(&self, at: [i64; 3], axis: AxisWords) -> Option<AxisPositions> {
         let AxisWords::Angles(angles) = axis else { return None };
         let scale = 10f64.powi(i32::from(self.job.dialect.five_axes.angle_decimals));
         let rotary = angles.map(|units| (units as f64 / scale).to_radians());
-        Some(Joints { linear_mm: at.map(|units| self.grid.mm(units)), rotary })
+        Some(AxisPositions { linear_mm: at.map(|units| self.grid.mm(units)), rotary })
     }
 
     /// The position and the axis in units of their last decimals.
-    fn rounded(&self, pose: &Pose, joints: Option<Joints>) -> Result<([i64; 3], AxisWords), WriteError> {
+    fn rounded(
+        &self,
+        pose: &Pose,
+        joints: Option<AxisPositions>,
+    ) -> Result<([i64; 3], AxisWords), WriteError> {
         let tip = |tip: &Point3<f64>| self.grid.round(tip).map_err(WriteError::from);
         let Some(joints) = joints else {
             let scale = 10f64.powi(i32::from(VECTOR_DECIMALS));

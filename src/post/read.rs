@@ -24,7 +24,7 @@ use std::ops::Range;
 
 use nalgebra::Point3;
 
-pub use self::posed::{Pace, Posed, ROTARY, RailStep, TipMode};
+pub use self::posed::{Posed, PosedFeed, ROTARY, RailStep, TipMode};
 use super::dialect::{Dialect, Syntax};
 pub use super::nc::Fault;
 use toolpathd_core::geometry::curve::Curve;

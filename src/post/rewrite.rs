@@ -47,7 +47,7 @@ mod text;
 
 use self::block::{Block, MAX_RUN_BLOCK_LENGTH};
 use self::modes::{Modes, Needs};
-use self::run::{Run, Style};
+use self::run::{OpenRun, Style};
 use self::stretches::Fitting;
 use self::text::{Output, Tally, Writer, line_end, push_with_g1};
 use super::dialect::Dialect;
@@ -137,7 +137,7 @@ pub struct Rewriter {
     job: RewriteJob,
     modes: Modes,
     output: Output,
-    run: Run,
+    run: OpenRun,
     /// The start of a line whose end has not come yet.
     partial: Vec<u8>,
     /// The text for a window.
@@ -159,7 +159,7 @@ impl Rewriter {
             job: RewriteJob { fit, ..job },
             modes: Modes::START,
             output: Output::default(),
-            run: Run::default(),
+            run: OpenRun::default(),
             partial: Vec::new(),
             written: Vec::new(),
             written_block: String::new(),

@@ -58,7 +58,7 @@ use bounds::Bounds;
 use optimal::{Node, Outcome};
 
 pub use candidate::Points;
-use candidate::{Rule, Span, Witnesses};
+use candidate::{PointRange, Rule, Witnesses};
 pub use space::{FitError, FittedCurve, fit_in_space};
 
 /// The least height of an arc above its chord, mm. A flatter arc becomes a line if the line keeps the
@@ -298,7 +298,8 @@ fn windowed(points: Points, request: &Fit, budget: &Budget) -> Result<Vec<Node>,
         if let [.., before, _] = nodes[..]
             && let Some(next) = found.next()
         {
-            let span = Span { points, first: before.index, last: next.index, from: before.at, to: next.at };
+            let span =
+                PointRange { points, first: before.index, last: next.index, from: before.at, to: next.at };
             if span.find(&request.rule(), &mut Witnesses::default()).is_some() {
                 nodes.pop();
             }
@@ -314,7 +315,7 @@ fn shaped(points: Points, nodes: &[Node], rule: &Rule) -> Fitted {
     let mut elements = Vec::with_capacity(nodes.len());
     for pair in nodes.windows(2) {
         let [from, to] = [pair[0], pair[1]];
-        let span = Span { points, first: from.index, last: to.index, from: from.at, to: to.at };
+        let span = PointRange { points, first: from.index, last: to.index, from: from.at, to: to.at };
         match span.best(rule) {
             Some(bulge) => elements.push(Element::bulging(to.index, [from.at, to.at], bulge)),
             // The search found an element over this span. Should rounding prevent that now, lines from point

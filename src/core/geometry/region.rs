@@ -89,7 +89,7 @@ pub struct Region {
 
 /// Where a place lies relative to a region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum Containment {
     Inside,
     OnBoundary,
     Outside,
@@ -224,7 +224,7 @@ impl Region {
         cuts.sort_unstable_by(f64::total_cmp);
         let mut ranges: Vec<[f64; 2]> = Vec::new();
         for pair in cuts.windows(2).filter(|pair| (pair[1] - pair[0]) * length > SNAP_MM) {
-            if self.place(element.at(0.5 * (pair[0] + pair[1])), tolerance_mm) == Place::Outside {
+            if self.place(element.at(0.5 * (pair[0] + pair[1])), tolerance_mm) == Containment::Outside {
                 continue;
             }
             match ranges.last_mut() {
@@ -237,7 +237,7 @@ impl Region {
 
     /// Whether a line or an arc runs in the region, or nearer to its boundary than `tolerance_mm`.
     pub fn contains(&self, element: &Segment, tolerance_mm: f64) -> bool {
-        let inside = |t: f64| self.place(element.at(t), tolerance_mm) != Place::Outside;
+        let inside = |t: f64| self.place(element.at(t), tolerance_mm) != Containment::Outside;
         let length = element.length();
         inside(0.0)
             && inside(1.0)
@@ -271,13 +271,13 @@ impl Region {
     }
 
     /// Where `p` lies; on the boundary if it is nearer to the boundary than `tolerance_mm`.
-    pub fn place(&self, p: Point2<f64>, tolerance_mm: f64) -> Place {
+    pub fn place(&self, p: Point2<f64>, tolerance_mm: f64) -> Containment {
         if self.boundary.nearest(p, tolerance_mm) < tolerance_mm {
-            return Place::OnBoundary;
+            return Containment::OnBoundary;
         }
         let mut winding = 0;
         winding::along_ray(&self.boundary, p, |_, sense| winding += sense);
-        if winding > 0 { Place::Inside } else { Place::Outside }
+        if winding > 0 { Containment::Inside } else { Containment::Outside }
     }
 
     /// The distance of `p` from the boundary, mm; infinite for an empty region.

@@ -41,7 +41,7 @@ use std::f64::consts::FRAC_PI_6;
 use std::ops::Range;
 
 use super::rotary_axis::is_within;
-use super::{Inverse, Joints, LARGEST_ANGLE, Machine};
+use super::{AxisPositions, Inverse, LARGEST_ANGLE, Machine};
 use crate::toolpath::pose::Pose;
 use nearest::{nearest, starts};
 
@@ -105,7 +105,7 @@ impl Machine {
     ///
     /// # Errors
     /// The first pose that no position reaches. Otherwise, the place where every way to follow the path ends.
-    pub fn follow(&self, poses: &[Pose], start: [f64; 2]) -> Result<Vec<Joints>, FollowError> {
+    pub fn follow(&self, poses: &[Pose], start: [f64; 2]) -> Result<Vec<AxisPositions>, FollowError> {
         let path = Path::new(self, poses, start)?;
         if path.stations.is_empty() {
             return path.rest_on_pole().map_err(|at| path.error(at));
@@ -171,8 +171,8 @@ impl<'a> Path<'a> {
     }
 
     /// Refuses a pose for which neither branch is within travel with any number of turns.
-    fn check_alone(&self, index: usize, both: &[Joints; 2]) -> Result<(), FollowError> {
-        let out_of_travel = |joints: &Joints| {
+    fn check_alone(&self, index: usize, both: &[AxisPositions; 2]) -> Result<(), FollowError> {
+        let out_of_travel = |joints: &AxisPositions| {
             let rotary = (0..2).find(|&k| {
                 starts(self.machine.rotary[k].travel, joints.rotary[k], joints.rotary[k]).is_empty()
             });
@@ -220,7 +220,7 @@ impl<'a> Path<'a> {
         poses: impl Iterator<Item = usize>,
         mut fixed: f64,
         free: impl Fn(usize) -> f64,
-        mut visit: impl FnMut(usize, Joints),
+        mut visit: impl FnMut(usize, AxisPositions),
     ) -> Result<f64, Blocked> {
         let axis = 1 - self.machine.free_axis();
         let travel = self.machine.rotary[axis].travel;
@@ -238,8 +238,8 @@ impl<'a> Path<'a> {
     }
 
     /// The positions of all poses, given the angles at the stations.
-    fn positions(&self, rotary: &[[f64; 2]]) -> Result<Vec<Joints>, Blocked> {
-        let mut all = vec![Joints { linear_mm: [0.0; 3], rotary: [0.0; 2] }; self.poses.len()];
+    fn positions(&self, rotary: &[[f64; 2]]) -> Result<Vec<AxisPositions>, Blocked> {
+        let mut all = vec![AxisPositions { linear_mm: [0.0; 3], rotary: [0.0; 2] }; self.poses.len()];
         let free = self.machine.free_axis();
         for (station, &angles) in self.stations.iter().zip(rotary) {
             all[station.index] = self.machine.at(&self.poses[station.index].tip, angles);
@@ -266,7 +266,7 @@ impl<'a> Path<'a> {
     }
 
     /// The positions when all poses are at the pole.
-    fn rest_on_pole(&self) -> Result<Vec<Joints>, Blocked> {
+    fn rest_on_pole(&self) -> Result<Vec<AxisPositions>, Blocked> {
         let free = self.machine.free_axis();
         let travel = self.machine.rotary[free].travel;
         let start = travel.map_or(self.start[free], |[low, high]| self.start[free].clamp(low, high));

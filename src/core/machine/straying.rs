@@ -8,7 +8,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Joints, Machine};
+use super::{AxisPositions, Machine};
 
 /// How far a motion in step may leave the straight motion between its ends, at every moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -22,7 +22,7 @@ pub struct Straying {
 impl Machine {
     /// Bounds of how far tip and axis leave the line and the great circle between their ends, while all axes
     /// move in step from one position to the other.
-    pub fn straying(&self, from: &Joints, to: &Joints) -> Straying {
+    pub fn straying(&self, from: &AxisPositions, to: &AxisPositions) -> Straying {
         let heads = self.kind.heads();
         let turns = [0, 1].map(|k| (to.rotary[k] - from.rotary[k]).abs());
         let of = |wants_head: bool| -> f64 {
@@ -78,8 +78,8 @@ mod tests {
             rotary in [[-1.5..1.5, -3.0..3.0], [-0.2..0.2, -0.2..0.2f64]],
         ) {
             let machine = &named()[k];
-            let from = Joints { linear_mm: linear[0], rotary: rotary[0] };
-            let along = |part: f64| Joints {
+            let from = AxisPositions { linear_mm: linear[0], rotary: rotary[0] };
+            let along = |part: f64| AxisPositions {
                 linear_mm: [0, 1, 2].map(|k| linear[0][k] + part * linear[1][k]),
                 rotary: [0, 1].map(|k| rotary[0][k] + part * rotary[1][k]),
             };
@@ -101,7 +101,7 @@ mod tests {
         let machine = &named()[0];
         let (axis, tip) = (Vector3::z_axis(), Point3::new(100.0, 0.0, 0.0));
         let from = machine.nearest(&Pose { tip, axis }, [0.0, 0.0]);
-        let to = Joints { rotary: [0.0, 0.1], ..from };
+        let to = AxisPositions { rotary: [0.0, 0.1], ..from };
         let height = 100.0 * (1.0 - 0.05f64.cos());
         let bound = machine.straying(&from, &to).tip_mm;
         assert!(bound >= height && bound <= 1.01 * height, "{bound} {height}");

@@ -25,7 +25,7 @@ fn turned(a: f64, b: f64) -> f64 {
     ((a - b + PI).rem_euclid(TAU) - PI).abs()
 }
 
-fn solutions(machine: &Machine, pose: &Pose) -> Vec<Joints> {
+fn solutions(machine: &Machine, pose: &Pose) -> Vec<AxisPositions> {
     match machine.inverse(pose) {
         Inverse::Two(both) => both.to_vec(),
         Inverse::Pole { fixed } => [-3.0, 0.0, 1.0]
@@ -100,7 +100,7 @@ fn end_of_reach(machine: &Machine, turn: f64, is_opposite: bool) -> Vector3<f64>
 }
 
 /// The pose by products of rigid motions of nalgebra, written without the code under test.
-fn forward_by_products(machine: &Machine, joints: &Joints) -> Pose {
+fn forward_by_products(machine: &Machine, joints: &AxisPositions) -> Pose {
     let motion = |k: usize| {
         let axis = &machine.rotary()[k];
         let is_head = match machine.kind() {
@@ -128,7 +128,7 @@ fn forward_by_products(machine: &Machine, joints: &Joints) -> Pose {
 /// All angles that bring the tool axis to `wanted`, by Gauss-Newton from every node of a grid of 10 degrees.
 fn angles_by_scan(machine: &Machine, wanted: &UnitVector3<f64>) -> Vec<[f64; 2]> {
     let miss = |rotary| {
-        let joints = Joints { linear_mm: [0.0; 3], rotary };
+        let joints = AxisPositions { linear_mm: [0.0; 3], rotary };
         forward_by_products(machine, &joints).axis.into_inner() - wanted.into_inner()
     };
     let mut found: Vec<[f64; 2]> = Vec::new();
@@ -180,7 +180,7 @@ proptest! {
         let tilt = size * Vector3::new(about.cos(), about.sin(), 0.5);
         let pole = machine.rotary()[machine.free_axis()].direction.into_inner();
         let pole = if is_opposite { -pole } else { pole };
-        let reached = machine.forward(&Joints { linear_mm: tip, rotary });
+        let reached = machine.forward(&AxisPositions { linear_mm: tip, rotary });
         let near = [pole, Vector3::z(), end_of_reach(&machine, about, is_opposite)];
         for axis in near.map(|axis| axis + tilt).into_iter().chain([reached.axis.into_inner()]) {
             let wanted = pose(tip, axis.into());
@@ -194,7 +194,7 @@ proptest! {
     fn one_of_the_two_solutions_has_the_angles_that_made_the_pose(
         machine in machine(), linear_mm in vector(500.0), rotary in prop::array::uniform2(-PI..PI),
     ) {
-        let joints = Joints { linear_mm, rotary };
+        let joints = AxisPositions { linear_mm, rotary };
         let made = machine.forward(&joints);
         prop_assert!(distance(&made, &forward_by_products(&machine, &joints)) < PROMISED);
         let Inverse::Two(both) = machine.inverse(&made) else {
@@ -202,7 +202,7 @@ proptest! {
         };
         // Where the two solutions are close, the angles are only good to the root of rounding.
         let apart = turned(both[0].rotary[0], both[1].rotary[0]).max(turned(both[0].rotary[1], both[1].rotary[1]));
-        let miss = |found: &Joints| turned(found.rotary[0], rotary[0]).max(turned(found.rotary[1], rotary[1]));
+        let miss = |found: &AxisPositions| turned(found.rotary[0], rotary[0]).max(turned(found.rotary[1], rotary[1]));
         prop_assert!(miss(&both[0]).min(miss(&both[1])) < 1e-11 / apart.clamp(1e-5, 1e-2));
     }
 }
@@ -250,7 +250,7 @@ fn an_a_c_table_has_the_textbook_angles() {
 fn a_head_tilts_about_its_centre_at_the_pivot_length_above_the_tip() {
     let machine = by_name("head_head_ca").unwrap();
     // The tool leans to -Y by a quarter of a turn; its tip is then 150 mm from the centre, along +Y.
-    let tilted = machine.forward(&Joints { linear_mm: [0.0; 3], rotary: [0.0, FRAC_PI_2] });
+    let tilted = machine.forward(&AxisPositions { linear_mm: [0.0; 3], rotary: [0.0, FRAC_PI_2] });
     assert!(distance(&tilted, &pose([0.0, 150.0, 150.0], [0.0, -1.0, 0.0])) < 1e-13);
 }
 
@@ -260,7 +260,7 @@ fn a_mirrored_axis_turns_the_other_way() {
         let rotary =
             [axis('A', [1.0, 0.0, 0.0], [0.0; 3], is_mirrored), axis('C', [0.0, 0.0, 1.0], [0.0; 3], false)];
         let machine = Machine::new("", Kind::TableTable, rotary, [None; 3], 0.0).unwrap();
-        machine.forward(&Joints { linear_mm: [0.0; 3], rotary: [0.3, 0.0] }).axis
+        machine.forward(&AxisPositions { linear_mm: [0.0; 3], rotary: [0.3, 0.0] }).axis
     };
     assert!((turn(false).y - 0.3f64.sin()).abs() < 1e-15 && (turn(true).y + 0.3f64.sin()).abs() < 1e-15);
 }

@@ -128,7 +128,7 @@ pub struct Sections<'a> {
 
 /// A place on the offset surface with its parameters.
 #[derive(Clone, Copy)]
-struct Place {
+struct OffsetPoint {
     u: f64,
     v: f64,
     jet: OffsetJet,
@@ -137,7 +137,7 @@ struct Place {
 /// A place where the boundary meets the plane.
 struct Crossing {
     boundary: BoundaryPoint,
-    place: Place,
+    place: OffsetPoint,
 }
 
 impl<'a> Sections<'a> {
@@ -236,7 +236,7 @@ impl<'a> Sections<'a> {
 
     /// The point of the offset next to a traced one, in the plane of the pass. The offset is continued past
     /// its edge for it.
-    fn on_plane(&self, traced: &Place, plane: PlaneAt) -> Point3<f64> {
+    fn on_plane(&self, traced: &OffsetPoint, plane: PlaneAt) -> Point3<f64> {
         if plane.at == plane.traced_at {
             return traced.jet.point;
         }
@@ -253,12 +253,12 @@ impl<'a> Sections<'a> {
     /// The next point of the section, at most one step from `here`; it may lie beyond the boundary.
     fn step(
         &self,
-        here: &Place,
+        here: &OffsetPoint,
         sense: f64,
         at: f64,
         spacing: Spacing,
         chain: &mut Chain,
-    ) -> Result<Place, SectionError> {
+    ) -> Result<OffsetPoint, SectionError> {
         let tangent = self.tangent(&here.jet, sense);
         let curvature = self.curvature_at(here.u, here.v);
         let mut length = spacing.step_length_mm.min(chord_for_height(spacing.chord_height_mm, curvature));
@@ -280,7 +280,13 @@ impl<'a> Sections<'a> {
 
     /// Newton's method for the point of the section in the plane at right angles to `tangent`, at `length`
     /// from `here`. `None` where it does not converge.
-    fn corrected(&self, here: &Place, tangent: Vector3<f64>, length: f64, at: f64) -> Option<Place> {
+    fn corrected(
+        &self,
+        here: &OffsetPoint,
+        tangent: Vector3<f64>,
+        length: f64,
+        at: f64,
+    ) -> Option<OffsetPoint> {
         let predicted = here.jet.point + tangent * length;
         let mut place = *here;
         let mut residual = [here.jet.point[self.axis] - at, -length];
@@ -306,9 +312,9 @@ impl<'a> Sections<'a> {
         None
     }
 
-    fn place(&self, u: f64, v: f64) -> Option<Place> {
+    fn place(&self, u: f64, v: f64) -> Option<OffsetPoint> {
         let jet = offset(&self.surface.jet(u, v), self.radius)?;
-        Some(Place { u, v, jet })
+        Some(OffsetPoint { u, v, jet })
     }
 
     /// Ju eq. 3: the unit tangent of the section.
@@ -319,7 +325,7 @@ impl<'a> Sections<'a> {
     }
 
     /// The sign with which the tangent at a boundary point leads into the surface.
-    fn inward_sense(&self, start: &BoundaryPoint, here: &Place) -> Option<f64> {
+    fn inward_sense(&self, start: &BoundaryPoint, here: &OffsetPoint) -> Option<f64> {
         let (gu, gv) = (here.jet.du[self.axis], here.jet.dv[self.axis]);
         let (inward_u, inward_v) = start.inward();
         // Along the section gu du + gv dv = 0: (du, dv) is (-gv, gu) or its opposite.
@@ -345,7 +351,12 @@ impl<'a> Sections<'a> {
 
 /// The index of the first crossing that the section passes between `here` and `next`. The section may leave
 /// the surface there even if `next` lies inside again.
-fn crossing_on_step(here: &Place, next: &Place, open: &[Crossing], spacing: Spacing) -> Option<usize> {
+fn crossing_on_step(
+    here: &OffsetPoint,
+    next: &OffsetPoint,
+    open: &[Crossing],
+    spacing: Spacing,
+) -> Option<usize> {
     let step = next.jet.point - here.jet.point;
     let length = step.norm();
     // The section keeps within the chord height of the chord; the rest is for rounding.

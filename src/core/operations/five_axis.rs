@@ -4,7 +4,7 @@
 //! 1. Poses that repeat the one before are left out (`path`).
 //! 2. The method makes rails: polynomials of one parameter for the tip and the top of the tool
 //!    (`smooth`, `tube`, `paper`, `linear`; `blend` around corners, `rotation` where the tip rests).
-//! 3. Each span is proved against the blocks that it replaces (`deviation`).
+//! 3. Each span is proved against the legs that it replaces (`deviation`).
 //! 4. The motion along the rails, at the feed or within limits (`drive`), is sampled (`motion`).
 //! 5. Chords of the rails are the moves of the toolpath (`moves`).
 //!
@@ -29,7 +29,7 @@
 //! # Reference
 //! K. Ahn, S. Jee, *Five-Axis Tool Path Smoothing based on Cubic B-Spline Curves*, 2020.
 
-mod band;
+mod banded_matrix;
 mod blend;
 mod deviation;
 mod drive;
@@ -53,7 +53,7 @@ mod tube;
 use nalgebra::{Point3, Vector3};
 
 use crate::budget::{Budget, Stopped};
-use crate::machine::{FollowError, Joints};
+use crate::machine::{AxisPositions, FollowError};
 use crate::toolpath::pose::{Pace, Pose};
 use crate::toolpath::{PathError, Toolpath};
 use deviation::Deviation;
@@ -76,7 +76,7 @@ pub struct TimedPose {
     pub t_s: f64,
     pub pose: Pose,
     /// The positions of the axes, if there is a machine.
-    pub joints: Option<Joints>,
+    pub joints: Option<AxisPositions>,
 }
 
 #[derive(Debug, Clone)]
@@ -221,12 +221,12 @@ fn rails(job: &Job, path: &Path, budget: &Budget) -> Result<Rails, FiveAxisError
             for source in &mut piece.sources {
                 *source = source.after(section.start);
             }
-            let feed = |block: usize| match path.paces[block] {
+            let feed = |leg: usize| match path.paces[leg] {
                 Pace::Rapid => job.rapid_feed.mm_per_s(),
                 Pace::Feed(feed) => feed.mm_per_s(),
             };
             let slowest = |source: &Source| {
-                let [first, last] = source.blocks();
+                let [first, last] = source.legs();
                 (first..=last).map(feed).fold(f64::INFINITY, f64::min)
             };
             piece.feeds = piece.sources.iter().map(slowest).collect();
@@ -270,7 +270,8 @@ fn at_feed(job: &Job, motion: &ConstantFeed, budget: &Budget) -> Result<Vec<Time
 
 fn axis_peaks(job: &Job, even: &[TimedPose]) -> Vec<AxisPeaks> {
     let Some(machine) = &job.machine else { return Vec::new() };
-    let position = |joints: Joints, k: usize| if k < 3 { joints.linear_mm[k] } else { joints.rotary[k - 3] };
+    let position =
+        |joints: AxisPositions, k: usize| if k < 3 { joints.linear_mm[k] } else { joints.rotary[k - 3] };
     let of = |(k, axis): (usize, char)| {
         let unit = if k < 3 { 1.0 } else { 1.0_f64.to_degrees() };
         let along = even.iter().filter_map(|sample| sample.joints);

@@ -42,9 +42,9 @@ pub enum Effect {
     Distance(Distance),
     Centers(Distance),
     FeedMode(FeedMode),
-    Begins(Modifier, Place),
-    Ends(Modifier, Place),
-    Place(Place),
+    Begins(Modifier, PositionEffect),
+    Ends(Modifier, PositionEffect),
+    Position(PositionEffect),
     /// G80 ends the mode of motion.
     NoMotion,
     /// Neither modes nor the position change.
@@ -54,7 +54,7 @@ pub enum Effect {
 
 /// What a G or M word does to the known position and to the axis words of its block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum PositionEffect {
     Kept,
     /// The position is lost, then the axis words say where to go.
     Shifted,
@@ -68,7 +68,7 @@ pub enum Place {
 
 /// What the G word with this number, in tenths, does.
 pub fn effect(tenths: i32) -> Effect {
-    use {Distance::*, FeedMode::*, Modifier::*, Place::*};
+    use {Distance::*, FeedMode::*, Modifier::*, PositionEffect::*};
     match tenths {
         0 => Effect::Motion(Motion::Rapid),
         10 => Effect::Motion(Motion::Line),
@@ -109,10 +109,10 @@ pub fn effect(tenths: i32) -> Effect {
         680..=684 | 2540 => Effect::Begins(Rotation, Taken),
         690 | 691 | 2550 => Effect::Ends(Rotation, Shifted),
         // The axis words of G43.1 and G43.2 are length offsets.
-        100 | 280 | 281 | 300 | 301 | 431 | 432 | 520 | 920..=923 => Effect::Place(Taken),
-        530 | 531 => Effect::Place(Elsewhere),
-        430 | 440 | 540..=599 => Effect::Place(Shifted),
-        40 => Effect::Place(Idle),
+        100 | 280 | 281 | 300 | 301 | 431 | 432 | 520 | 920..=923 => Effect::Position(Taken),
+        530 | 531 => Effect::Position(Elsewhere),
+        430 | 440 | 540..=599 => Effect::Position(Shifted),
+        40 => Effect::Position(Idle),
         90 | 960 | 970 | 980 | 990 => Effect::Nothing,
         _ => Effect::Unknown,
     }
@@ -175,7 +175,7 @@ impl<P, F> Modal<P, F> {
             Effect::Begins(modifier, _) => self.modifiers |= modifier as u16,
             Effect::Ends(modifier, _) => self.modifiers &= !(modifier as u16),
             Effect::NoMotion => self.motion = None,
-            Effect::Place(_) | Effect::Nothing | Effect::Unknown => {}
+            Effect::Position(_) | Effect::Nothing | Effect::Unknown => {}
         }
     }
 }

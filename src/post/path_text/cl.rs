@@ -13,7 +13,7 @@
 
 use nalgebra::{Point3, UnitVector3, Vector3};
 
-use super::{PathFault, PathTextError, Reading, coordinate, direction, feed};
+use super::{PathFault, PathTextError, ReadSettings, coordinate, direction, feed};
 use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 use toolpathd_core::toolpath::units::FeedRate;
 
@@ -32,7 +32,7 @@ const MAX_STATEMENT: usize = 100_000;
 ///
 /// # Errors
 /// The first line that cannot be read.
-pub fn read(text: &str, reading: Reading) -> Result<Vec<Waypoint>, PathTextError> {
+pub fn read(text: &str, reading: ReadSettings) -> Result<Vec<Waypoint>, PathTextError> {
     let mut reader = Reader {
         reading,
         path: Vec::new(),
@@ -67,7 +67,7 @@ pub fn read(text: &str, reading: Reading) -> Result<Vec<Waypoint>, PathTextError
 }
 
 struct Reader {
-    reading: Reading,
+    reading: ReadSettings,
     path: Vec<Waypoint>,
     axis: UnitVector3<f64>,
     unit_mm: f64,
@@ -185,8 +185,8 @@ mod tests {
         FEDRAT/MMPM,1500.0\nGOTO/ 1.1D+01, 0.5, $\n  5.25, 0.6,0.0,0.8\nCOOLNT/OFF\nGOTO/12,1,5\nFEDRAT/0.1,MMPR\n\
         GODLTA/0,0,1.5\nFINI\nGOTO/1,1,1\n";
 
-    fn reading() -> Reading {
-        Reading { feed: None, limit: 100 }
+    fn reading() -> ReadSettings {
+        ReadSettings { feed: None, limit: 100 }
     }
 
     #[test]
@@ -236,7 +236,7 @@ mod tests {
         ] {
             assert_eq!(read(text, reading()).unwrap_err(), PathTextError { line, fault }, "{text}");
         }
-        let few = Reading { limit: 1, ..reading() };
+        let few = ReadSettings { limit: 1, ..reading() };
         assert_eq!(read("GOTO/1,2,3\nRAPID\nGOTO/1,2,4", few).unwrap_err().fault, PathFault::TooMany(1));
         assert_eq!(read("CYCLE/OFF\nno CL data at all\n", reading()), Ok(Vec::new()));
     }

@@ -18,9 +18,9 @@
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 use super::tokens::{Word, words};
-use super::{FEEDS_MM_PER_MIN, PathFault, PathTextError, Reading, coordinate, direction, feed};
-use crate::nc::{Distance, Effect, FeedMode, Modifier, Motion, Place, effect};
-use toolpathd_core::machine::{Joints, Machine};
+use super::{FEEDS_MM_PER_MIN, PathFault, PathTextError, ReadSettings, coordinate, direction, feed};
+use crate::nc::{Distance, Effect, FeedMode, Modifier, Motion, PositionEffect, effect};
+use toolpathd_core::machine::{AxisPositions, Machine};
 use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 use toolpathd_core::toolpath::program::Units;
 use toolpathd_core::toolpath::tool_axes::angle_between;
@@ -35,7 +35,7 @@ pub fn read(
     text: &str,
     machine: Option<&Machine>,
     top_mm: f64,
-    reading: Reading,
+    reading: ReadSettings,
 ) -> Result<Vec<Waypoint>, PathTextError> {
     let mut reader = Reader {
         reading,
@@ -80,7 +80,7 @@ fn ends_tip(word: &Word) -> bool {
 }
 
 struct Reader<'a> {
-    reading: Reading,
+    reading: ReadSettings,
     machine: Option<&'a Machine>,
     top_mm: f64,
     keeps_tip_somewhere: bool,
@@ -218,9 +218,9 @@ impl Reader<'_> {
             // Codes of look-ahead and smoothing have many numbers.
             | Effect::Unknown => {}
             Effect::Begins(..) => return Err(refused()),
-            Effect::Place(Place::Idle) => line.is_idle = true,
-            Effect::Place(Place::Elsewhere | Place::Taken) => line.is_elsewhere = true,
-            Effect::Place(Place::Shifted | Place::Kept) => {}
+            Effect::Position(PositionEffect::Idle) => line.is_idle = true,
+            Effect::Position(PositionEffect::Elsewhere | PositionEffect::Taken) => line.is_elsewhere = true,
+            Effect::Position(PositionEffect::Shifted | PositionEffect::Kept) => {}
         }
         Ok(())
     }
@@ -272,7 +272,7 @@ impl Reader<'_> {
         let Some(machine) = self.machine else {
             return Ok(Pose { tip: at, axis: Vector3::z_axis() });
         };
-        let pose = machine.forward(&Joints { linear_mm: at.coords.into(), rotary: self.angles });
+        let pose = machine.forward(&AxisPositions { linear_mm: at.coords.into(), rotary: self.angles });
         if self.keeps_tip { Ok(Pose { tip: at, ..pose }) } else { Ok(pose) }
     }
 
@@ -301,8 +301,8 @@ mod tests {
     use super::*;
     use toolpathd_core::machine::named::by_name;
 
-    fn reading() -> Reading {
-        Reading { feed: None, limit: 1000 }
+    fn reading() -> ReadSettings {
+        ReadSettings { feed: None, limit: 1000 }
     }
 
     fn path_of(text: &str) -> Result<Vec<Waypoint>, PathTextError> {
@@ -346,7 +346,7 @@ mod tests {
         let machine = by_name("table_table_ac").unwrap();
         let path = path_of("G90 G21 G94 F100\nG0 X10 Y0 Z0 A-30 C0\nG1 X20 C45\n").unwrap();
         let rotary = [-30f64.to_radians(), 45f64.to_radians()];
-        let there = machine.forward(&Joints { linear_mm: [20.0, 0.0, 0.0], rotary });
+        let there = machine.forward(&AxisPositions { linear_mm: [20.0, 0.0, 0.0], rotary });
         assert!((path[1].pose.tip - there.tip).norm() < 1e-12);
     }
 

@@ -15,12 +15,12 @@ const TURN_PER_S: f64 = 0.5;
 /// One straight motion, or one along a rail.
 pub struct Leg<'a> {
     pub to: Pose,
-    pub pace: Pace,
+    pub time: LegTime,
     pub rail: Option<&'a Rail>,
 }
 
 #[derive(Clone, Copy)]
-pub enum Pace {
+pub enum LegTime {
     Feed(FeedRate),
     Seconds(f64),
     /// The tool rests.
@@ -47,15 +47,15 @@ pub fn divide<'a>(
     let start = Pose { tip, axis: first.unwrap_or(nalgebra::Vector3::z_axis()) };
     let mut axis = start.axis;
     let (mut legs, mut delay_s) = (Vec::new(), 0.0);
-    let mut push = |to: Pose, pace: Pace, rail: Option<&'a Rail>| {
-        legs.push(Leg { to, pace, rail });
+    let mut push = |to: Pose, time: LegTime, rail: Option<&'a Rail>| {
+        legs.push(Leg { to, time, rail });
         if legs.len() > MAX_BLOCKS { Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS }) } else { Ok(()) }
     };
     for pass in toolpath.passes() {
         let begins = pass.axes().start();
         if begins != axis {
             let angle = angle_between(&axis, &begins);
-            push(Pose { tip, axis: begins }, Pace::Seconds(angle / TURN_PER_S), None)?;
+            push(Pose { tip, axis: begins }, LegTime::Seconds(angle / TURN_PER_S), None)?;
             axis = begins;
         }
         let mut rails = pass.rails().iter().filter(|rail| has_rails && !rail.moves.is_empty()).peekable();
@@ -64,7 +64,7 @@ pub fn divide<'a>(
                 let (rate, longer_s) = slowest(&pass.moves()[rail.moves.clone()])?;
                 delay_s += longer_s;
                 (tip, axis) = (rail.tip[5], pass.axes().after(k));
-                push(Pose { tip, axis }, Pace::Feed(rate), Some(rail))?;
+                push(Pose { tip, axis }, LegTime::Feed(rate), Some(rail))?;
                 continue;
             }
             if rails.peek().is_some_and(|rail| rail.moves.contains(&k)) {
@@ -75,7 +75,7 @@ pub fn divide<'a>(
             match step {
                 Move::Rapid { line } => {
                     tip = line.end;
-                    push(Pose { tip, axis }, Pace::Feed(job.cutting.rapid_feed), None)?;
+                    push(Pose { tip, axis }, LegTime::Feed(job.cutting.rapid_feed), None)?;
                 }
                 Move::Feed { along, rate, .. } => {
                     let rate = rate.ok_or(WriteError::FeedMissing)?;
@@ -89,13 +89,17 @@ pub fn divide<'a>(
                     let to = Pose { tip, axis };
                     for (n, point) in points.into_iter().enumerate().skip(1) {
                         let axis = from.between(&to, n as f64 / parts).axis;
-                        push(Pose { tip: point, axis }, Pace::Feed(rate), None)?;
+                        push(Pose { tip: point, axis }, LegTime::Feed(rate), None)?;
                     }
                 }
                 Move::Turn { seconds, .. } => {
-                    push(Pose { tip, axis }, Pace::Seconds(seconds.ok_or(WriteError::FeedMissing)?), None)?;
+                    push(
+                        Pose { tip, axis },
+                        LegTime::Seconds(seconds.ok_or(WriteError::FeedMissing)?),
+                        None,
+                    )?;
                 }
-                Move::Dwell { seconds } => push(from, Pace::Dwell(*seconds), None)?,
+                Move::Dwell { seconds } => push(from, LegTime::Dwell(*seconds), None)?,
             }
         }
     }

@@ -17,7 +17,7 @@ pub enum TipMode {
 
 /// How long a motion takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Pace {
+pub enum PosedFeed {
     Rapid,
     Feed(FeedRate),
     Seconds(f64),
@@ -46,5 +46,5 @@ pub struct Posed {
     pub angles: [Option<f64>; 3],
     pub vector: Option<[f64; 3]>,
     pub mode: TipMode,
-    pub pace: Pace,
+    pub feed: PosedFeed,
 }

@@ -3,7 +3,8 @@
 use super::block::Block;
 use crate::dialect::{Dialect, Point};
 use crate::nc::{
-    Decimal, Distance, Effect, FeedMode, Function, Modal, Motion, Place, effect, function, is_coordinate,
+    Decimal, Distance, Effect, FeedMode, Function, Modal, Motion, PositionEffect, effect, function,
+    is_coordinate,
 };
 use toolpathd_core::toolpath::program::Units;
 
@@ -85,7 +86,7 @@ impl Modes {
     }
 
     fn understood(&self, block: &Block, dialect: &Dialect) -> (Self, Needs) {
-        let mut reading = Reading {
+        let mut reading = OpenBlock {
             modes: *self,
             needs: Needs::default(),
             moves_axes: true,
@@ -95,7 +96,7 @@ impl Modes {
         block.g.all().iter().for_each(|&code| reading.take(effect(code)));
         block.m.all().iter().for_each(|&code| reading.function(function(code)));
         if block.has(b"TH") {
-            reading.place(Place::Shifted);
+            reading.place(PositionEffect::Shifted);
         }
         if let Some((feed, _)) = block.feed {
             reading.modes.feed = Some(Feed::of(feed, dialect));
@@ -137,7 +138,7 @@ impl Feed {
 }
 
 /// A block while its words take effect.
-struct Reading {
+struct OpenBlock {
     modes: Modes,
     needs: Needs,
     /// Whether the axis words are coordinates; otherwise they are parameters of a code.
@@ -146,7 +147,7 @@ struct Reading {
     is_unknown: bool,
 }
 
-impl Reading {
+impl OpenBlock {
     fn take(&mut self, effect: Effect) {
         let before = self.modes;
         self.modes.apply(effect);
@@ -162,13 +163,13 @@ impl Reading {
                 self.needs.plane = true;
                 self.place(place);
             }
-            Effect::Place(place) => self.place(place),
+            Effect::Position(place) => self.place(place),
             Effect::NoMotion => {
                 // If another word of motion stands beside G80, G80 ends only the cycle.
                 self.modes.motion = before.motion.filter(|_| self.needs.says_motion);
                 self.needs.plane = true;
                 self.needs.motion = MotionNeed::Mode;
-                self.place(Place::Shifted);
+                self.place(PositionEffect::Shifted);
             }
             Effect::Unknown => self.is_unknown = true,
             _ => {}
@@ -178,7 +179,7 @@ impl Reading {
     fn function(&mut self, function: Function) {
         match function {
             Function::Inert => {}
-            Function::ToolChange => self.place(Place::Shifted),
+            Function::ToolChange => self.place(PositionEffect::Shifted),
             Function::Ends => {
                 self.needs = Needs::END;
                 self.modes = self.modes.forgotten();
@@ -195,14 +196,14 @@ impl Reading {
         }
     }
 
-    fn place(&mut self, place: Place) {
+    fn place(&mut self, place: PositionEffect) {
         // Some controls compensate the tool's length along the normal of the plane.
-        self.needs.plane |= place == Place::Shifted;
-        if place == Place::Shifted {
+        self.needs.plane |= place == PositionEffect::Shifted;
+        if place == PositionEffect::Shifted {
             self.modes.at = [None; 3];
         }
-        self.moves_axes &= !matches!(place, Place::Taken | Place::Idle);
-        self.loses_place |= matches!(place, Place::Taken | Place::Elsewhere);
+        self.moves_axes &= !matches!(place, PositionEffect::Taken | PositionEffect::Idle);
+        self.loses_place |= matches!(place, PositionEffect::Taken | PositionEffect::Elsewhere);
     }
 
     /// Moves to the coordinates of the axis words.

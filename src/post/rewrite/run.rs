@@ -32,7 +32,7 @@ pub struct Placed {
 
 /// The part of a run that is not written yet, at most a window. Memory is kept between runs.
 #[derive(Debug, Default)]
-pub struct Run {
+pub struct OpenRun {
     pub text: Vec<u8>,
     pub blocks: Vec<Placed>,
     /// The start and the end of each block, in millionths of a unit of the program. An unknown axis counts
@@ -68,7 +68,7 @@ pub struct Step {
     rate: Option<[f64; 2]>,
 }
 
-impl Run {
+impl OpenRun {
     /// Whether the run has not begun yet. A run whose blocks have all been written counts as begun.
     pub fn is_empty(&self) -> bool {
         self.units.is_empty()

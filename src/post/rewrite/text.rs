@@ -2,7 +2,7 @@
 //! behind a run.
 
 use super::modes::{Modes, MotionNeed, Needs};
-use super::run::{Placed, Run, Style, step};
+use super::run::{OpenRun, Placed, Style, step};
 use super::stretches::Stretch;
 use crate::dialect::{Dialect, Point};
 use crate::nc::{Distance, FeedMode};
@@ -62,7 +62,7 @@ impl Output {
 
     /// Appends the blocks of `run` from `from` to before `end` as they are. The first gets a G1 where it
     /// needs one; the others rely on it.
-    pub fn keep(&mut self, run: &Run, from: usize, end: usize, out: &mut Vec<u8>) -> Tally {
+    pub fn keep(&mut self, run: &OpenRun, from: usize, end: usize, out: &mut Vec<u8>) -> Tally {
         let (first, last) = (&run.blocks[from], &run.blocks[end - 1]);
         let text = &run.text[first.text.start..last.text.end];
         if self.is_arc && !first.has_g1 {
@@ -104,7 +104,7 @@ pub fn line_end(line: &[u8]) -> &'static [u8] {
 
 /// Writes stretches of a run.
 pub struct Writer<'a> {
-    pub run: &'a Run,
+    pub run: &'a OpenRun,
     pub modes: &'a Modes,
     pub dialect: &'a Dialect,
     pub style: Style,

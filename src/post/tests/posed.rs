@@ -9,7 +9,7 @@ use super::*;
 use crate::dialects::heidenhain::HEIDENHAIN;
 use crate::dialects::siemens::SIEMENS;
 use crate::path_text::tokens::words;
-use toolpathd_core::machine::{Joints, Machine, Straying, named};
+use toolpathd_core::machine::{AxisPositions, Machine, Straying, named};
 use toolpathd_core::toolpath::Move;
 use toolpathd_core::toolpath::pose::Pose;
 
@@ -244,7 +244,7 @@ fn pose_at(
     let mean = |a: f64, b: f64| a + (b - a) * part;
     let place = [0, 1, 2].map(|k| mean(from.0[k], to.0[k]));
     let rotary = [0, 1].map(|k| mean(from.1[k], to.1[k]));
-    let pose = machine.forward(&Joints { linear_mm: place, rotary });
+    let pose = machine.forward(&AxisPositions { linear_mm: place, rotary });
     match output {
         AxisOutput::Machine => pose,
         AxisOutput::Angles => Pose { tip: place.into(), ..pose },
@@ -391,7 +391,7 @@ fn a_control_reads_the_poses() {
                 _ => {
                     let of_axis = |name| read.angles["ABC".find(name).unwrap()].unwrap().to_radians();
                     let rotary = machine.rotary().each_ref().map(|axis| of_axis(axis.name));
-                    machine.forward(&Joints { linear_mm: [0.0; 3], rotary }).axis
+                    machine.forward(&AxisPositions { linear_mm: [0.0; 3], rotary }).axis
                 }
             };
             let is_reached = |pose: &Pose| {

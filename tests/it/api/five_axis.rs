@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use toolpathd_core::machine::named;
 use toolpathd_core::toolpath::pose::{Pace, Waypoint};
-use toolpathd_post::path_text::{self, Reading};
+use toolpathd_post::path_text::{self, ReadSettings};
 
 use super::support::{app, post};
 
@@ -177,7 +177,7 @@ async fn written(body: &Value) -> (Vec<Waypoint>, Vec<Waypoint>) {
     let answer = post(&app(&[]), &format!("{SMOOTH}?format=gcode"), body.to_string(), &[]).await;
     assert_eq!(answer.status, 200, "{}", answer.text());
     let machine = named::by_name("table_table_ac");
-    let reading = Reading { feed: None, limit: 100_000 };
+    let reading = ReadSettings { feed: None, limit: 100_000 };
     let read = path_text::nc::read(&answer.text(), machine.as_ref(), 50.0, reading).expect("a program");
     (read, path_text::cl::read(body["cl"].as_str().expect("a text"), reading).expect("CL data"))
 }

@@ -18,7 +18,7 @@
 //! O(n m) checks for n points and elements that replace m points each.
 
 use super::Shapes;
-use super::candidate::{Points, Rule, Span, Witnesses};
+use super::candidate::{PointRange, Points, Rule, Witnesses};
 use super::chord::LARGEST_BULGE;
 use crate::budget::{Budget, Stopped};
 
@@ -58,7 +58,8 @@ impl Bounds {
             budget.check()?;
             let bound = longest.bound(i);
             let reaches = |end: &usize| {
-                witnesses.looks >= most || Span::of(points, i, *end).find(rule, &mut witnesses).is_some()
+                witnesses.looks >= most
+                    || PointRange::of(points, i, *end).find(rule, &mut witnesses).is_some()
             };
             beyond[i] = (i + 1..bound).rev().find(reaches).map_or(i + 1, |end| end + 1);
             let farthest = fewest.partition_point(|&k| k >= beyond[i]);
@@ -114,7 +115,7 @@ impl<'a> Longest<'a> {
     }
 
     fn fails(&mut self, first: usize, last: usize) -> bool {
-        let span = Span::of(self.points, first, last);
+        let span = PointRange::of(self.points, first, last);
         let tolerance = self.tolerance;
         span.from != span.to
             && self.tiers.iter().zip(&mut self.witnesses).all(|((factor, largest), witnesses)| {

@@ -59,7 +59,7 @@ pub struct Points<'a> {
 
 /// An element from `from`, which stands for the point `first`, to `to`, which stands for the point `last`.
 #[derive(Debug, Clone, Copy)]
-pub struct Span<'a> {
+pub struct PointRange<'a> {
     pub points: Points<'a>,
     pub first: usize,
     pub last: usize,
@@ -86,7 +86,7 @@ impl Witnesses {
     }
 }
 
-impl<'a> Span<'a> {
+impl<'a> PointRange<'a> {
     pub fn of(points: Points<'a>, first: usize, last: usize) -> Self {
         Self { points, first, last, from: points.flat[first], to: points.flat[last] }
     }

@@ -18,7 +18,7 @@
 use nalgebra::Vector2;
 
 use super::Measure;
-use super::candidate::{Points, Rule, Span, Witnesses};
+use super::candidate::{PointRange, Points, Rule, Witnesses};
 use crate::budget::{Budget, Stopped};
 
 /// Points that an element of Ju's method takes in one by one before the lengths double. Longer elements would
@@ -62,8 +62,9 @@ fn longest(
 ) -> Result<usize, Stopped> {
     let last = points.flat.len() - 1;
     let mut witnesses = Witnesses::default();
-    let mut fits =
-        |end: usize| Span { from, ..Span::of(points, start, end) }.find(rule, &mut witnesses).is_some();
+    let mut fits = |end: usize| {
+        PointRange { from, ..PointRange::of(points, start, end) }.find(rule, &mut witnesses).is_some()
+    };
     let mut good = start + 1;
     let stride = if rule.measure == Measure::Polyline { STRIDE } else { 1 };
     while good + stride < last && good - start < one_by_one && stride > 1 && fits(good + stride) {

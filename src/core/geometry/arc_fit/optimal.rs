@@ -17,7 +17,7 @@
 use nalgebra::Vector2;
 
 use super::bounds::Bounds;
-use super::candidate::{Points, Rule, Span, Witnesses};
+use super::candidate::{PointRange, Points, Rule, Witnesses};
 use super::stabbing_bound::Fan;
 use crate::budget::{Budget, Stopped};
 
@@ -149,8 +149,13 @@ impl Search<'_> {
                     continue;
                 }
             }
-            let span =
-                Span { points: self.points, first: from.index, last: to.index, from: from.at, to: to.at };
+            let span = PointRange {
+                points: self.points,
+                first: from.index,
+                last: to.index,
+                from: from.at,
+                to: to.at,
+            };
             if span.find(self.rule, witnesses).is_none() {
                 n_failures += usize::from(n_failures < PATIENCE);
                 has_failed = true;

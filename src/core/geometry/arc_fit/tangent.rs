@@ -23,7 +23,7 @@ use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 use super::bounds::Bounds;
-use super::candidate::{Points, Rule, Span, Witnesses};
+use super::candidate::{PointRange, Points, Rule, Witnesses};
 use super::chord::Chord;
 use super::corners::corners;
 use super::optimal::Node;
@@ -235,13 +235,13 @@ impl Search<'_> {
         arrival
     }
 
-    fn span(&self, from: usize, to: usize) -> Span<'_> {
+    fn span(&self, from: usize, to: usize) -> PointRange<'_> {
         let [from, to] = [self.nodes[from], self.nodes[to]];
-        Span { points: self.points, first: from.index, last: to.index, from: from.at, to: to.at }
+        PointRange { points: self.points, first: from.index, last: to.index, from: from.at, to: to.at }
     }
 
     /// The chord of an element, and the intervals of bulges that it may have.
-    fn bulges(&self, span: &Span) -> Option<(Chord, Vec<[f64; 2]>)> {
+    fn bulges(&self, span: &PointRange) -> Option<(Chord, Vec<[f64; 2]>)> {
         let chord = Chord::new(span.from, span.to)?;
         let mut witnesses = Witnesses::default();
         let bulges = span.bulges(&self.rule, &mut witnesses);
@@ -309,7 +309,7 @@ impl Search<'_> {
     }
 
     /// The bulge in the middle of those that continue an arrival.
-    fn middle(&self, span: &Span, chord: &Chord, before: Arrival) -> Option<f64> {
+    fn middle(&self, span: &PointRange, chord: &Chord, before: Arrival) -> Option<f64> {
         let (_, parts) = self.bulges(span)?;
         let direction = chord.direction();
         let ranges = parts.into_iter().filter_map(|part| before.departures(direction, part));

@@ -1,9 +1,9 @@
 //! Arcs over a chord, one for each way in which the lines between the points turn about the arc's centre.
 //!
-//! An element runs the same way round as its points: the lines between the points turn about its centre as far
-//! as the arc, give or take half a turn. How far they turn changes only where the centre crosses one of the
-//! lines. So the crossings cut the bulges into ranges, and in some of these ranges no arc can fit. A range may
-//! be too small for bulges that are tried at fixed places.
+//! An element runs the same way round as its points: the lines between the points turn about its centre
+//! as far as the arc, give or take half a turn. How far they turn changes only where the centre crosses
+//! one of the lines. So the crossings cut the bulges into ranges, and in some of these ranges no arc can
+//! fit. A range may be too small for bulges that are tried at fixed places.
 
 use nalgebra::Vector2;
 

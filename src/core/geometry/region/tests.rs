@@ -162,7 +162,7 @@ fn squares_that_touch_at_a_corner_stay_two() {
         .collect();
     let ring = Region::union(&ring.iter().collect::<Vec<_>>(), &Budget::unlimited()).unwrap();
     assert_near(ring.area(), 400.0);
-    assert_eq!(ring.place(Point2::new(15.0, 15.0), 1e-6), Place::Outside);
+    assert_eq!(ring.place(Point2::new(15.0, 15.0), 1e-6), Containment::Outside);
 }
 
 #[test]
@@ -219,16 +219,16 @@ fn arcs_that_coincide_become_one_edge() {
 fn places_at_the_heights_of_vertices_and_tangents_are_told_apart() {
     let washer = difference(&disc(0.0, 0.0, 5.0), &disc(0.0, 0.0, 3.0));
     for (x, y, expected) in [
-        (-4.0, 0.0, Place::Inside),
-        (-6.0, 0.0, Place::Outside),
-        (0.0, 0.0, Place::Outside),
-        (-3.9, 3.0, Place::Inside),
-        (-4.0, 3.0, Place::OnBoundary),
-        (-6.0, 3.0, Place::Outside),
-        (-6.0, 5.0, Place::Outside),
-        (-6.0, -5.0, Place::Outside),
-        (0.0, 5.0, Place::OnBoundary),
-        (0.0, -3.0, Place::OnBoundary),
+        (-4.0, 0.0, Containment::Inside),
+        (-6.0, 0.0, Containment::Outside),
+        (0.0, 0.0, Containment::Outside),
+        (-3.9, 3.0, Containment::Inside),
+        (-4.0, 3.0, Containment::OnBoundary),
+        (-6.0, 3.0, Containment::Outside),
+        (-6.0, 5.0, Containment::Outside),
+        (-6.0, -5.0, Containment::Outside),
+        (0.0, 5.0, Containment::OnBoundary),
+        (0.0, -3.0, Containment::OnBoundary),
     ] {
         assert_eq!(washer.place(Point2::new(x, y), 0.05), expected, "{x} {y}");
     }
@@ -255,9 +255,9 @@ fn places_at_the_heights_of_vertices_and_tangents_are_told_apart() {
         let depth = depth.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let place = stairs.place(Point2::new(x, y), 1e-6);
         match place {
-            Place::Inside => assert!(depth > 0.0, "{x} {y}"),
-            Place::Outside => assert!(depth < 0.0, "{x} {y}"),
-            Place::OnBoundary => assert!(depth.abs() < 1e-6, "{x} {y}"),
+            Containment::Inside => assert!(depth > 0.0, "{x} {y}"),
+            Containment::Outside => assert!(depth < 0.0, "{x} {y}"),
+            Containment::OnBoundary => assert!(depth.abs() < 1e-6, "{x} {y}"),
         }
     }
 }

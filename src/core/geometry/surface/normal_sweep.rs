@@ -32,7 +32,7 @@ mod unit_normal;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
 use super::any_surface::{AnySurface, PATCH_LIMIT};
-use super::swept::{self, Rail, Station, TooManyPatches};
+use super::swept::{self, Station, SweepRail, TooManyPatches};
 use crate::geometry::profile::{Piece, Profile, Shape};
 use unit_normal::NormalFault;
 
@@ -94,7 +94,7 @@ impl std::fmt::Display for Side {
 
 /// The rails of the basic curve, and for each piece the index of its first rail.
 struct Rails {
-    rails: Vec<Rail>,
+    rails: Vec<SweepRail>,
     firsts: Vec<usize>,
 }
 
@@ -153,7 +153,7 @@ impl NormalSweep {
                             .iter()
                             .zip(&part.normals)
                             .map(|(p, n)| station(p, n, 1.0))
-                            .collect::<Rail>()
+                            .collect::<SweepRail>()
                     }));
                 }
             }

@@ -12,7 +12,7 @@
 use nalgebra::Vector3;
 
 use super::any_surface::{AnySurface, PATCH_LIMIT};
-use super::swept::{self, Rail, Station, TooManyPatches};
+use super::swept::{self, Station, SweepRail, TooManyPatches};
 use crate::geometry::profile::Profile;
 
 /// The basic curve, along u, and the drive curve, along v; mm.
@@ -44,7 +44,7 @@ impl ParallelSweep {
         };
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
         let pieces = self.basic.pieces().iter();
-        let rails: Vec<Rail> = pieces
+        let rails: Vec<SweepRail> = pieces
             .map(|piece| {
                 let points = piece.shape.control_points().into_iter();
                 points.map(|(p, weight)| Station { origin: p - start.coords, axes, weight }).collect()

@@ -26,14 +26,14 @@ pub(super) struct Station {
 
 /// The stations of one piece of the basic curve. Their number is the degree of the piece (at most 3) plus
 /// one.
-pub(super) type Rail = Vec<Station>;
+pub(super) type SweepRail = Vec<Station>;
 
 /// The number of patches that the surface would need, above [`PATCH_LIMIT`].
 pub(super) struct TooManyPatches(pub(super) usize);
 
 /// The surface with one patch for each pair of a rail and a piece of the drive curve. Both lists have at
 /// least one entry.
-pub(super) fn surface(rails: &[Rail], drive: &Profile<3>) -> Result<AnySurface, TooManyPatches> {
+pub(super) fn surface(rails: &[SweepRail], drive: &Profile<3>) -> Result<AnySurface, TooManyPatches> {
     let drive: Vec<Vec<ControlPoint<3>>> =
         drive.pieces().iter().map(|piece| piece.shape.control_points()).collect();
     let spans = [rails.len(), drive.len()];

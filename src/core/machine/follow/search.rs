@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::nearest::{nearest, starts};
 use super::{Blocked, Path, keep_latest};
-use crate::machine::Joints;
+use crate::machine::AxisPositions;
 use crate::machine::rotary_axis::is_within;
 
 /// The most states of a pose that are kept. Only travels of many turns have more; then the states of largest
@@ -254,7 +254,7 @@ struct Steps {
 }
 
 impl Steps {
-    fn add(&mut self, joints: Joints) {
+    fn add(&mut self, joints: AxisPositions) {
         self.cost = self.cost.and_then(|cost| self.measure.with(cost, self.last, joints.rotary));
         self.last = joints.rotary;
     }

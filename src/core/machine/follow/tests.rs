@@ -38,7 +38,7 @@ fn with_travel(machine: &Machine, travel_deg: [Option<[f64; 2]>; 2]) -> Machine 
 }
 
 /// Checks what `follow` promises of every motion, and returns its largest step.
-fn check(machine: &Machine, poses: &[Pose], joints: &[Joints]) -> f64 {
+fn check(machine: &Machine, poses: &[Pose], joints: &[AxisPositions]) -> f64 {
     assert_eq!(poses.len(), joints.len());
     let mut largest = 0.0f64;
     for (k, (pose, joints)) in poses.iter().zip(joints).enumerate() {
@@ -58,7 +58,7 @@ fn check(machine: &Machine, poses: &[Pose], joints: &[Joints]) -> f64 {
     largest
 }
 
-fn followed(machine: &Machine, poses: &[Pose]) -> (Vec<Joints>, f64) {
+fn followed(machine: &Machine, poses: &[Pose]) -> (Vec<AxisPositions>, f64) {
     let joints = machine.follow(poses, [0.0; 2]).unwrap();
     let largest = check(machine, poses, &joints);
     (joints, largest)

@@ -21,7 +21,7 @@ proptest! {
         t in -3.0..3.0, branch in 0usize..2, rotary in prop::array::uniform2(-PI..PI), turns in -2i32..=2,
     ) {
         // The middle of the curve of axes is within reach, and is not of unit length.
-        let middle = 2.0 * machine.forward(&Joints { linear_mm: [0.0; 3], rotary }).axis.into_inner();
+        let middle = 2.0 * machine.forward(&AxisPositions { linear_mm: [0.0; 3], rotary }).axis.into_inner();
         let at = |t: f64| (curve(t, &tips, Vector3::zeros()), curve(t, &axes, middle));
         let (tip, axis) = at(t);
         let Inverse::Two(both) = machine.inverse(&pose(tip[0].into(), axis[0].into())) else {
@@ -65,7 +65,7 @@ proptest! {
         machine in machine(), tips in prop::array::uniform2(vector(100.0)), axes in prop::array::uniform2(vector(0.3)),
         t in -3.0..3.0, branch in 0usize..2, rotary in prop::array::uniform2(-PI..PI),
     ) {
-        let middle = 2.0 * machine.forward(&Joints { linear_mm: [0.0; 3], rotary }).axis.into_inner();
+        let middle = 2.0 * machine.forward(&AxisPositions { linear_mm: [0.0; 3], rotary }).axis.into_inner();
         let (tip, axis) = (curve(t, &tips, Vector3::zeros()), curve(t, &axes, middle));
         let Inverse::Two(both) = machine.inverse(&pose(tip[0].into(), axis[0].into())) else {
             return Err(TestCaseError::reject("out of reach"));
@@ -107,7 +107,7 @@ proptest! {
 #[test]
 fn there_are_no_derivatives_at_the_pole_and_at_the_end_of_reach() {
     let still = |v: Vector3<f64>| [v, Vector3::x(), Vector3::y(), Vector3::z()];
-    let near = Joints { linear_mm: [0.0; 3], rotary: [0.0; 2] };
+    let near = AxisPositions { linear_mm: [0.0; 3], rotary: [0.0; 2] };
     for machine in named() {
         assert_eq!(machine.derivatives(&still(Vector3::x()), &still(Vector3::z()), &near), None);
         assert_eq!(machine.derivatives(&still(Vector3::x()), &still(Vector3::zeros()), &near), None);

@@ -14,7 +14,7 @@
 
 use nalgebra::{Matrix2, Point3, Vector2};
 
-use super::lift_bound::{AxisMove, Level};
+use super::lift_bound::{AxisMove, Threshold};
 use super::newton::{Climb, TOUCHING};
 use super::round::RoundBodies;
 use super::support::Support;
@@ -89,7 +89,7 @@ impl<P: Patch> Contacts<'_, P> {
         let mut look = Look {
             contacts: self,
             track: AxisMove::between(from.xy().coords, to.xy().coords),
-            level: Level { level: center.z + height, slope },
+            level: Threshold { level: center.z + height, slope },
             guess,
             support: None,
             round: None,
@@ -272,7 +272,7 @@ fn joints([from, to]: [[f64; 2]; 2]) -> Option<Vec<f64>> {
 struct Look<'a, 'b, P> {
     contacts: &'b Contacts<'a, P>,
     track: AxisMove,
-    level: Level,
+    level: Threshold,
     guess: [f64; 2],
     support: Option<Support>,
     round: Option<RoundBodies>,

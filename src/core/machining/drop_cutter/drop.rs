@@ -3,7 +3,7 @@
 
 use nalgebra::{Point3, Vector2};
 
-use super::lift_bound::{AxisMove, Level};
+use super::lift_bound::{AxisMove, Threshold};
 use super::newton::{self, Climb, Found};
 use super::round::RoundBodies;
 use super::support::Support;
@@ -126,8 +126,8 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
     }
 
     /// The height of the best contact, as a level.
-    fn flat_level(&self) -> Level {
-        Level { level: self.best.map_or(f64::NEG_INFINITY, |best| best.height), slope: 0.0 }
+    fn flat_level(&self) -> Threshold {
+        Threshold { level: self.best.map_or(f64::NEG_INFINITY, |best| best.height), slope: 0.0 }
     }
 
     /// Climbs on one patch. Returns the parameters at which the climb ends.
@@ -196,7 +196,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         if highest <= self.level() {
             return highest;
         }
-        let level = Level { level: self.level(), slope: 0.0 };
+        let level = Threshold { level: self.level(), slope: 0.0 };
         if self.round.is_some_and(|round| round.keep_below(part, &self.track, &level)) {
             return level.level;
         }
@@ -224,7 +224,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
             is_found |= found.is_some();
             self.raise(found, part.start, part.scale);
             let least = self.best.map_or(jet.point.z, |best| best.height);
-            let level = Level { level: least, slope: 0.0 };
+            let level = Threshold { level: least, slope: 0.0 };
             let seen_from = |climb: &Climb| least + climb.excess(part, &bends, &jet, &level);
             // The first and the last place of a climb give the best bounds.
             if k == 1 {

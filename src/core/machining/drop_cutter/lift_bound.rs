@@ -73,7 +73,7 @@ impl AxisMove {
 
 /// The height with which lifts are compared, mm: `level` + t `slope`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Level {
+pub(super) struct Threshold {
     pub(super) level: f64,
     pub(super) slope: f64,
 }
@@ -107,7 +107,7 @@ pub(super) struct Touch<'a, P> {
 
 impl<P: Patch> Touch<'_, P> {
     /// Upper bound of how far the part lifts the tip above `level`, mm; infinite where no bound is known.
-    pub(super) fn excess(&self, cutter: &Cutter, track: &AxisMove, level: &Level) -> f64 {
+    pub(super) fn excess(&self, cutter: &Cutter, track: &AxisMove, level: &Threshold) -> f64 {
         let from_touch = self.part.center - track.center - self.lower.place;
         let width = self.part.half_diagonal + track.reach;
         let least = self.lower.away_of(&from_touch) - width;
@@ -137,7 +137,7 @@ impl<P: Patch> Touch<'_, P> {
         from_touch: &Vector2<f64>,
         width: f64,
         track: &AxisMove,
-        level: &Level,
+        level: &Threshold,
     ) -> (f64, bool) {
         let Bends { derivatives, first, second: by } = self.bends;
         let norm = form.norm();

@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use super::lift_bound::{AxisMove, Level, Touch};
+use super::lift_bound::{AxisMove, Threshold, Touch};
 use super::tree::{Bends, SubPatch};
 use crate::geometry::solve::falling_root;
 use crate::geometry::surface::Jet;
@@ -163,7 +163,7 @@ impl<'a> Climb<'a> {
         part: &SubPatch<P>,
         bends: &Bends,
         jet: &Jet,
-        level: &Level,
+        level: &Threshold,
     ) -> f64 {
         let mut excess = f64::INFINITY;
         for lower in [self.tangent, self.over].into_iter().flatten() {

@@ -23,7 +23,7 @@
 
 use nalgebra::Vector3;
 
-use super::lift_bound::{AxisMove, Level};
+use super::lift_bound::{AxisMove, Threshold};
 use super::side::Side;
 use super::tree::SubPatch;
 use crate::geometry::surface::Jet;
@@ -74,7 +74,12 @@ impl RoundBodies {
 
     /// Whether it is proved that no point of a part lifts the tip over the level, for any position of the
     /// track.
-    pub(super) fn keep_below<P: Patch>(&self, part: &SubPatch<P>, track: &AxisMove, level: &Level) -> bool {
+    pub(super) fn keep_below<P: Patch>(
+        &self,
+        part: &SubPatch<P>,
+        track: &AxisMove,
+        level: &Threshold,
+    ) -> bool {
         let tip = Vector3::new(track.center.x, track.center.y, level.level);
         let half = Vector3::new(track.way.x, track.way.y, level.slope) * track.reach;
         let way = |rise: f64, seen_along| Way { center: tip + Vector3::z() * rise, half, seen_along };

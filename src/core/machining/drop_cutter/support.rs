@@ -3,7 +3,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::lift_bound::{AxisMove, Level};
+use super::lift_bound::{AxisMove, Threshold};
 use super::tree::{Cover, SubPatch};
 use crate::geometry::surface::patch::{Bounds, Patch};
 use crate::machining::cutter::{Cutter, LowerPoint};
@@ -29,7 +29,7 @@ impl Support {
     }
 
     /// Upper bound of how far a part lifts the tip above `level`, mm.
-    pub(super) fn excess<P: Patch>(&self, part: &SubPatch<P>, track: &AxisMove, level: &Level) -> f64 {
+    pub(super) fn excess<P: Patch>(&self, part: &SubPatch<P>, track: &AxisMove, level: &Threshold) -> f64 {
         let tilted = |p: Vector3<f64>| p.z - self.gradient.dot(&(p.xy() - self.at));
         let higher = |highest: f64, height: f64| if height > highest { height } else { highest };
         let highest = part.patch.control_points().map(tilted).fold(f64::NEG_INFINITY, higher);
@@ -37,13 +37,13 @@ impl Support {
     }
 
     /// As [`Self::excess`], for anything under a cover.
-    pub(super) fn excess_under(&self, cover: &Cover, track: &AxisMove, level: &Level) -> f64 {
+    pub(super) fn excess_under(&self, cover: &Cover, track: &AxisMove, level: &Threshold) -> f64 {
         self.excess_of(cover.highest_over(&self.gradient, &self.at), &cover.bounds, track, level)
     }
 
     /// As [`Self::excess`], for anything in a box that lies at most `highest` mm above the plane with the
     /// contact's gradient that is zero at the contact.
-    fn excess_of(&self, highest: f64, bounds: &Bounds, track: &AxisMove, level: &Level) -> f64 {
+    fn excess_of(&self, highest: f64, bounds: &Bounds, track: &AxisMove, level: &Threshold) -> f64 {
         let along = (self.gradient.dot(&track.way) - level.slope).abs() * track.reach;
         let squared = track.squared_distance(bounds, &self.at);
         highest - self.height + along - 0.5 * self.round * squared - level.level

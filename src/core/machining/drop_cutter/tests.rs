@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::chord_proof::ChordVerdict;
 use super::drop::Drop;
-use super::lift_bound::{AxisMove, Level};
+use super::lift_bound::{AxisMove, Threshold};
 use super::round::RoundBodies;
 use super::*;
 use crate::geometry::surface::BicubicPatch;
@@ -187,7 +187,7 @@ fn parts_that_round_bodies_keep_below_lift_no_higher() {
         let round = RoundBodies::around(&contacts.cutter, &best.lower, &best.jet);
         let way = Vector2::new(angle.cos(), angle.sin()) * reach;
         let at = Vector2::new(x, y);
-        let level = Level { level: best.height + over, slope };
+        let level = Threshold { level: best.height + over, slope };
         for track in [AxisMove::point(at), AxisMove::between(at - way, at + way)] {
             let kept = contacts.tree.parts.iter().filter(|part| round.keep_below(part, &track, &level));
             for part in kept {

@@ -1,11 +1,11 @@
 //! A quintic around a corner, from the rails before it to the rails after it.
 
 use super::deviation::{Deviation, of_line, of_span, part_of};
-use super::path::Block;
+use super::path::Leg;
 use super::rail::{Fitted, Span, tip};
 use crate::toolpath::tool_axes::angle_between;
 
-/// The part of a block that a blend may take: the corner at its other end needs room too.
+/// The part of a leg that a blend may take: the corner at its other end needs room too.
 const ROOM: f64 = 0.45;
 
 /// Trials for the distance of a blend from its corner, and the largest and the smallest factor between two.
@@ -21,7 +21,7 @@ const WANTED: f64 = 0.999;
 const FIRST: f64 = 1.0 / 0.375;
 
 /// The least sine of half a turn in the estimate of the first distance. At a corner without a turn the sine
-/// is zero, and the room decides alone: the estimate is then longer than any block.
+/// is zero, and the room decides alone: the estimate is then longer than any leg.
 const LEAST_SINE: f64 = 1e-9;
 
 /// Blends that are shorter gain nothing over a stop, mm.
@@ -36,16 +36,11 @@ pub struct Blend {
 }
 
 /// The longest blend within the tolerance between a run and the run after it, which meet at the corner of the
-/// two blocks; none if only a tiny one would be.
-pub fn blend(
-    before: &[Fitted],
-    after: &[Fitted],
-    blocks: &[Block; 2],
-    tolerance: Deviation,
-) -> Option<Blend> {
+/// two legs; none if only a tiny one would be.
+pub fn blend(before: &[Fitted], after: &[Fitted], legs: &[Leg; 2], tolerance: Deviation) -> Option<Blend> {
     let ends = [before.last()?.span.to, after.first()?.span.from];
-    let turn = angle_between(&blocks[0].direction(), &blocks[1].direction());
-    let room = ROOM * blocks[0].length.min(blocks[1].length);
+    let turn = angle_between(&legs[0].direction(), &legs[1].direction());
+    let room = ROOM * legs[0].length.min(legs[1].length);
     let mut distance = room.min(FIRST * WANTED * tolerance.tip_mm / (0.5 * turn).sin().max(LEAST_SINE));
     for _ in 0..TRIALS {
         if distance < SHORTEST_MM {
@@ -56,12 +51,12 @@ pub fn blend(
         let end = after.iter().find(|fitted| fitted.span.to > meets)?.span.jet(meets);
         let span =
             Span::quintic([0.0, 2.0 * distance], [start[0], start[1], start[2]], [end[0], end[1], end[2]]);
-        let parts = [part_of(&blocks[0], &tip(&start[0])), part_of(&blocks[1], &tip(&end[0]))];
-        if let Some(deviation) = proved(&span, blocks, parts, tolerance) {
+        let parts = [part_of(&legs[0], &tip(&start[0])), part_of(&legs[1], &tip(&end[0]))];
+        if let Some(deviation) = proved(&span, legs, parts, tolerance) {
             return Some(Blend { span, leaves, meets, deviation });
         }
         // The distance from the corner grows with that of the blend's ends.
-        let middle = tip(&span.jet(distance)[0]) - tip(&blocks[0].end);
+        let middle = tip(&span.jet(distance)[0]) - tip(&legs[0].end);
         let [least, most] = SHORTER;
         distance *= (WANTED * tolerance.tip_mm / middle.norm()).clamp(least, most);
     }
@@ -69,18 +64,18 @@ pub fn blend(
 }
 
 /// The bound of a blend's deviation, both ways; none if it leaves the tolerance.
-fn proved(around: &Span, blocks: &[Block; 2], parts: [f64; 2], tolerance: Deviation) -> Option<Deviation> {
+fn proved(around: &Span, legs: &[Leg; 2], parts: [f64; 2], tolerance: Deviation) -> Option<Deviation> {
     // What is seen at one place is enough to refuse.
-    let corner = tip(&blocks[0].end);
+    let corner = tip(&legs[0].end);
     let middle = tip(&around.jet(0.5 * (around.from + around.to))[0]);
     if (middle - corner).norm() > tolerance.tip_mm {
         return None;
     }
-    let there = of_span(around, blocks, tolerance);
+    let there = of_span(around, legs, tolerance);
     if there.of(tolerance) > 1.0 {
         return None;
     }
-    let back = of_line(around, &blocks[0], [parts[0], 1.0]).max(of_line(around, &blocks[1], [0.0, parts[1]]));
+    let back = of_line(around, &legs[0], [parts[0], 1.0]).max(of_line(around, &legs[1], [0.0, parts[1]]));
     let both = Deviation { tip_mm: there.tip_mm.max(back), ..there };
     (both.of(tolerance) <= 1.0).then_some(both)
 }

@@ -1,25 +1,25 @@
-//! Proves how far rails are from the straight blocks that they replace.
+//! Proves how far rails are from the straight legs that they replace.
 //!
 //! # Method
 //! The distance of a point from a line between two points is convex, and a polynomial lies in
 //! the convex hull of its Bernstein control points. So the largest distance of the control points bounds the
-//! distance of the tip. The part of the block at which the tip is nearest, as far as the infinite line
-//! through the block goes, is a polynomial too; so is the vector that interpolates both axes there. The angle
+//! distance of the tip. The part of the leg at which the tip is nearest, as far as the infinite line
+//! through the leg goes, is a polynomial too; so is the vector that interpolates both axes there. The angle
 //! between this vector and the rail's top follows from bounds of their cross product and of their lengths.
 //! A span is halved until the bound is near what its ends and its middle show.
 //!
 //! # Guarantees
-//! * [`of_span`] is at least the largest distance of the tip from the block and the largest angle between the
-//!   axis and the block's axis at the nearest place, except for rounding.
-//! * Where the tip runs along the whole block and never back, this also bounds the distance of the block from
-//!   the tip: in each plane across the block there is a point of the rail.
+//! * [`of_span`] is at least the largest distance of the tip from the leg and the largest angle between the
+//!   axis and the leg's axis at the nearest place, except for rounding.
+//! * Where the tip runs along the whole leg and never back, this also bounds the distance of the leg from
+//!   the tip: in each plane across the leg there is a point of the rail.
 //!
 //! # Cost
 //! O(m) for m parts of a span, at most 128.
 
 use nalgebra::Vector3;
 
-use super::path::Block;
+use super::path::Leg;
 use super::rail::{Point6, Span, tip, top};
 use crate::toolpath::tool_axes::angle_between;
 
@@ -30,7 +30,7 @@ const MOST_HALVINGS: usize = 7;
 const NEAR: f64 = 1.002;
 
 /// Added to that multiple: a nanometre, and an angle that moves a place a metre from the tip by a tenth of a
-/// micrometre. No machine shows either. Without this part, spans on their block would be halved to the end,
+/// micrometre. No machine shows either. Without this part, spans on their leg would be halved to the end,
 /// because what is seen there is zero.
 const UNSEEN: Deviation = Deviation { tip_mm: 1e-6, axis: 1e-7 };
 
@@ -84,84 +84,83 @@ impl Deviation {
     }
 }
 
-/// Bound of the deviation of a span from blocks. Each part of the span may take another block. A bound of at
+/// Bound of the deviation of a span from legs. Each part of the span may take another leg. A bound of at
 /// most `enough` is not made exact.
-pub fn of_span(span: &Span, blocks: &[Block], enough: Deviation) -> Deviation {
-    of_part(span, blocks, enough, MOST_HALVINGS)
+pub fn of_span(span: &Span, legs: &[Leg], enough: Deviation) -> Deviation {
+    of_part(span, legs, enough, MOST_HALVINGS)
 }
 
-fn of_part(span: &Span, blocks: &[Block], enough: Deviation, halvings: usize) -> Deviation {
-    // Distances count before angles: they choose the block that is nearest.
-    let bounds = blocks.iter().map(|block| (bound(span, block), block));
-    let Some((bound, block)) = bounds.reduce(|a, b| if b.0.tip_mm < a.0.tip_mm { b } else { a }) else {
+fn of_part(span: &Span, legs: &[Leg], enough: Deviation, halvings: usize) -> Deviation {
+    // Distances count before angles: they choose the leg that is nearest.
+    let bounds = legs.iter().map(|leg| (bound(span, leg), leg));
+    let Some((bound, leg)) = bounds.reduce(|a, b| if b.0.tip_mm < a.0.tip_mm { b } else { a }) else {
         return Deviation::NONE;
     };
     let is_enough = bound.tip_mm <= enough.tip_mm && bound.axis <= enough.axis;
-    if is_enough || halvings == 0 || is_near(bound, span, blocks, block) {
+    if is_enough || halvings == 0 || is_near(bound, span, legs, leg) {
         return bound;
     }
     let [first, second] = span.halves();
-    let parts =
-        of_part(&first, blocks, enough, halvings - 1).max(of_part(&second, blocks, enough, halvings - 1));
-    if blocks.len() == 1 { parts.min(bound) } else { parts }
+    let parts = of_part(&first, legs, enough, halvings - 1).max(of_part(&second, legs, enough, halvings - 1));
+    if legs.len() == 1 { parts.min(bound) } else { parts }
 }
 
 /// Whether a bound is hardly more than what is seen at the ends and in the middle.
-fn is_near(bound: Deviation, span: &Span, blocks: &[Block], nearest: &Block) -> bool {
+fn is_near(bound: Deviation, span: &Span, legs: &[Leg], nearest: &Leg) -> bool {
     let middle = 0.5 * (span.from + span.to);
     let places = [span.start(), span.jet(middle)[0], span.end()];
-    let seen = places.iter().map(|p| seen(p, blocks)).fold(Deviation::NONE, Deviation::max);
+    let seen = places.iter().map(|p| seen(p, legs)).fold(Deviation::NONE, Deviation::max);
     bound.tip_mm <= NEAR * seen.tip_mm + UNSEEN.tip_mm
         && bound.axis <= NEAR * seen.axis + UNSEEN.axis + mean_of_axes(nearest)
 }
 
-/// The deviation of a place from the nearest of some blocks.
-fn seen(p: &Point6, blocks: &[Block]) -> Deviation {
-    let from = |block: &Block| {
-        let part = part_of(block, &tip(p)).clamp(0.0, 1.0);
-        Deviation { tip_mm: distance(block, &tip(p)), axis: angle_between(&top(p), &block.top_at(part)) }
+/// The deviation of a place from the nearest of some legs.
+fn seen(p: &Point6, legs: &[Leg]) -> Deviation {
+    let from = |leg: &Leg| {
+        let part = part_of(leg, &tip(p)).clamp(0.0, 1.0);
+        Deviation { tip_mm: distance(leg, &tip(p)), axis: angle_between(&top(p), &leg.top_at(part)) }
     };
-    let nearest = blocks.iter().map(from).reduce(|a, b| if b.tip_mm < a.tip_mm { b } else { a });
+    let nearest = legs.iter().map(from).reduce(|a, b| if b.tip_mm < a.tip_mm { b } else { a });
     nearest.unwrap_or(Deviation::NONE)
 }
 
-fn bound(span: &Span, block: &Block) -> Deviation {
-    let tips = span.control.iter().map(|p| distance(block, &tip(p)));
-    Deviation { tip_mm: tips.fold(0.0, f64::max), axis: axis_bound(span, block) }
+fn bound(span: &Span, leg: &Leg) -> Deviation {
+    let tips = span.control.iter().map(|p| distance(leg, &tip(p)));
+    Deviation { tip_mm: tips.fold(0.0, f64::max), axis: axis_bound(span, leg) }
 }
 
-/// The distance of a point from the block's line, mm.
-pub fn distance(block: &Block, p: &Vector3<f64>) -> f64 {
-    if block.is_rotation() {
-        return (p - tip(&block.start)).norm();
+/// The distance of a point from the leg's line, mm.
+pub fn distance(leg: &Leg, p: &Vector3<f64>) -> f64 {
+    if leg.is_rotation() {
+        return (p - tip(&leg.start)).norm();
     }
-    let t = part_of(block, p).clamp(0.0, 1.0);
-    (p - tip(&block.start).lerp(&tip(&block.end), t)).norm()
+    let t = part_of(leg, p).clamp(0.0, 1.0);
+    (p - tip(&leg.start).lerp(&tip(&leg.end), t)).norm()
 }
 
-/// The part of the block's line at which it is nearest to a point; zero where the tip rests.
-pub fn part_of(block: &Block, p: &Vector3<f64>) -> f64 {
-    if block.is_rotation() {
+/// The part of the leg's line at which it is nearest to a point; zero where the tip rests.
+pub fn part_of(leg: &Leg, p: &Vector3<f64>) -> f64 {
+    if leg.is_rotation() {
         return 0.0;
     }
-    let along = tip(&block.end) - tip(&block.start);
-    along.dot(&(p - tip(&block.start))) / along.norm_squared()
+    let along = tip(&leg.end) - tip(&leg.start);
+    along.dot(&(p - tip(&leg.start))) / along.norm_squared()
 }
 
-/// How far the mean of the axes of a block is from its great circle, radians, with both tops as far from the
+/// How far the mean of the axes of a leg is from its great circle, radians, with both tops as far from the
 /// tip.
-pub fn mean_of_axes(block: &Block) -> f64 {
-    MEAN_OF_AXES * block.angle.powi(3)
+pub fn mean_of_axes(leg: &Leg) -> f64 {
+    MEAN_OF_AXES * leg.angle.powi(3)
 }
 
-/// Bound of the angle between the rail's axis and that of the block at the nearest place, radians.
-fn axis_bound(span: &Span, block: &Block) -> f64 {
-    if block.angle > LARGE_ANGLE {
+/// Bound of the angle between the rail's axis and that of the leg at the nearest place, radians.
+fn axis_bound(span: &Span, leg: &Leg) -> f64 {
+    if leg.angle > LARGE_ANGLE {
         return std::f64::consts::PI;
     }
-    let (a, b) = (top(&block.start), top(&block.end));
+    let (a, b) = (top(&leg.start), top(&leg.end));
     let rail = span.control.map(|p| top(&p));
-    let wanted = span.control.map(|p| a + (b - a) * part_of(block, &tip(&p)));
+    let wanted = span.control.map(|p| a + (b - a) * part_of(leg, &tip(&p)));
     let across = cross(&rail, &wanted).iter().map(Vector3::norm).fold(0.0, f64::max);
     let middle = (rail[2] + rail[3]).normalize();
     let least =
@@ -171,7 +170,7 @@ fn axis_bound(span: &Span, block: &Block) -> f64 {
         return std::f64::consts::PI;
     }
     let sine = across / (shortest * other);
-    if sine >= 1.0 { std::f64::consts::PI } else { sine.asin() + mean_of_axes(block) }
+    if sine >= 1.0 { std::f64::consts::PI } else { sine.asin() + mean_of_axes(leg) }
 }
 
 /// The Bernstein coefficients of the cross product of two polynomials of degree 5.
@@ -190,21 +189,21 @@ fn cross(a: &[Vector3<f64>; 6], b: &[Vector3<f64>; 6]) -> [Vector3<f64>; 11] {
     product
 }
 
-/// Bound of the distance of a part of a block's line from a span, mm. `[from, to]` are parts of the block.
-pub fn of_line(span: &Span, block: &Block, part: [f64; 2]) -> f64 {
+/// Bound of the distance of a part of a leg's line from a span, mm. `[from, to]` are parts of the leg.
+pub fn of_line(span: &Span, leg: &Leg, part: [f64; 2]) -> f64 {
     const POINTS: usize = 64;
     let at = |k: usize| span.from + span.length() * (k as f64 / POINTS as f64);
     let points: Vec<Vector3<f64>> = (0..=POINTS).map(|k| tip(&span.jet(at(k))[0])).collect();
-    of_points(&points, block, part)
+    of_points(&points, leg, part)
 }
 
-/// Bound of the distance of a part of a block's line from points, mm. Every stretch of the line is within the
+/// Bound of the distance of a part of a leg's line from points, mm. Every stretch of the line is within the
 /// larger distance of its ends from one point.
-pub fn of_points(points: &[Vector3<f64>], block: &Block, [from, to]: [f64; 2]) -> f64 {
+pub fn of_points(points: &[Vector3<f64>], leg: &Leg, [from, to]: [f64; 2]) -> f64 {
     const STRETCHES: usize = 32;
     let at = |k: usize| from + (to - from) * (k as f64 / STRETCHES as f64);
     let stretch = |k: usize| {
-        let ends = [k, k + 1].map(|k| tip(&block.at(at(k))));
+        let ends = [k, k + 1].map(|k| tip(&leg.at(at(k))));
         let reach = |p: &Vector3<f64>| ends.iter().map(|end| (end - p).norm()).fold(0.0, f64::max);
         points.iter().map(reach).fold(f64::INFINITY, f64::min)
     };
@@ -221,9 +220,9 @@ mod tests {
     }
 
     /// The largest deviation at many places.
-    fn sampled(span: &Span, block: &Block) -> Deviation {
+    fn sampled(span: &Span, leg: &Leg) -> Deviation {
         let place = |k: i32| span.jet(span.from + span.length() * f64::from(k) / 2000.0)[0];
-        (0..=2000).map(|k| seen(&place(k), &[*block])).fold(Deviation::NONE, Deviation::max)
+        (0..=2000).map(|k| seen(&place(k), &[*leg])).fold(Deviation::NONE, Deviation::max)
     }
 
     #[test]
@@ -231,19 +230,19 @@ mod tests {
         for bend in [0.0, 0.01, 0.3] {
             for tilt in [0.0, 0.02, 0.4] {
                 let (start, end) = (pose(0.0, 0.0, 0.0, 0.0), pose(10.0, 0.0, 0.0, tilt));
-                let block = Block::new(start, end);
+                let leg = Leg::new(start, end);
                 let slope = |sign: f64| {
                     (end - start) / 10.0 + pose(0.0, sign * bend, 0.0, 0.0) * 1.0 - pose(0.0, 0.0, 0.0, 0.0)
                 };
                 let span = Span::cubic([0.0, 10.0], [start, slope(1.0)], [end, slope(-1.0)]);
-                let (bound, seen) = (of_span(&span, &[block], Deviation::NONE), sampled(&span, &block));
+                let (bound, seen) = (of_span(&span, &[leg], Deviation::NONE), sampled(&span, &leg));
                 assert!(
                     bound.tip_mm >= seen.tip_mm - 1e-12 && bound.axis >= seen.axis - 1e-12,
                     "{bound:?} {seen:?}"
                 );
                 assert!(bound.tip_mm <= 1.02 * seen.tip_mm + 2e-6, "{bound:?} {seen:?}");
                 assert!(
-                    bound.axis <= 1.02 * seen.axis + 1e-6 + 2.0 * mean_of_axes(&block),
+                    bound.axis <= 1.02 * seen.axis + 1e-6 + 2.0 * mean_of_axes(&leg),
                     "{bound:?} {seen:?}"
                 );
             }
@@ -253,11 +252,11 @@ mod tests {
     #[test]
     fn the_mean_of_two_axes_is_as_near_to_their_great_circle_as_stated() {
         for angle in [0.01, 0.3, 0.7, 1.0] {
-            let block = Block::new(pose(0.0, 0.0, 0.0, 0.0), pose(1.0, 0.0, 0.0, angle));
+            let leg = Leg::new(pose(0.0, 0.0, 0.0, 0.0), pose(1.0, 0.0, 0.0, angle));
             for k in 0..=100 {
                 let t = f64::from(k) / 100.0;
-                let mean = top(&block.start).lerp(&top(&block.end), t);
-                assert!(angle_between(&mean, &block.top_at(t)) <= mean_of_axes(&block) + 1e-15);
+                let mean = top(&leg.start).lerp(&top(&leg.end), t);
+                assert!(angle_between(&mean, &leg.top_at(t)) <= mean_of_axes(&leg) + 1e-15);
             }
         }
     }

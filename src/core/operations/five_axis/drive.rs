@@ -24,7 +24,7 @@ use super::rail::{Jet, Piece, Rail, Span, tip, top};
 use super::schedule::{Derivatives, Limits, Schedule, ScheduleError, Station, TipLimits, schedule};
 use super::stations::{Stations, pose, resolved};
 use crate::budget::Budget;
-use crate::machine::{Inverse, Joints, Machine};
+use crate::machine::{AxisPositions, Inverse, Machine};
 use proof::Proof;
 
 /// How far beside the pole derivatives are taken, as a part of the span there.
@@ -53,7 +53,7 @@ pub struct MotionLimits {
 struct Driven<'a> {
     piece: &'a Piece,
     /// The positions of the axes at the stations, with their parameters.
-    stations: Vec<(f64, Option<Joints>)>,
+    stations: Vec<(f64, Option<AxisPositions>)>,
     schedule: Schedule,
     begins_s: f64,
 }
@@ -69,7 +69,7 @@ pub struct Drive<'a> {
 /// A place on the rails, with the positions of the axes.
 pub struct DrivenSample {
     pub sample: Sample,
-    pub joints: Option<Joints>,
+    pub joints: Option<AxisPositions>,
 }
 
 impl<'a> Drive<'a> {
@@ -191,7 +191,7 @@ impl Axes {
 struct Path<'a> {
     piece: &'a Piece,
     /// The parameters of the stations, and the positions of the axes there.
-    stations: Vec<(f64, Option<Joints>)>,
+    stations: Vec<(f64, Option<AxisPositions>)>,
     machine: Option<&'a Machine>,
     /// Whether the tip rests.
     rests: bool,
@@ -272,7 +272,7 @@ impl<'a> Path<'a> {
         &self,
         u: f64,
         around: [usize; 2],
-        joints: Option<Joints>,
+        joints: Option<AxisPositions>,
         axes: &Axes,
     ) -> Result<Station, FiveAxisError> {
         let rows = |span: &Span| {
@@ -305,7 +305,7 @@ impl<'a> Path<'a> {
     fn derivatives(
         &self,
         jet: &Jet,
-        joints: Option<Joints>,
+        joints: Option<AxisPositions>,
         axes: &Axes,
     ) -> Result<Vec<[f64; 3]>, FiveAxisError> {
         let tips = jet.map(|p| tip(&p));

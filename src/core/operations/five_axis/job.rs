@@ -65,7 +65,7 @@ pub struct Job {
     /// The way along the tool axis to the first pose, and away from the last pose, mm. There is none where
     /// the first pose is reached by a rapid, and where the path ends with a rapid.
     pub retract_mm: f64,
-    /// What writing a program moves the tip, mm: rounding, and straying between blocks. Blends at corners
+    /// What writing a program moves the tip, mm: rounding, and straying between legs. Blends at corners
     /// leave it room.
     pub rounding_mm: f64,
 }

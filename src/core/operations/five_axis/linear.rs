@@ -1,11 +1,11 @@
-//! The blocks as they are: the motion stops between them.
+//! The legs as they are: the motion stops between them.
 
 use super::deviation::{Deviation, of_span};
-use super::path::Block;
+use super::path::Leg;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span};
 use super::{Continuity, Rails, rotation};
 
-/// Between two points of a block the axis turns by at most this angle, radians. The mean of two axes is then
+/// Between two points of a leg the axis turns by at most this angle, radians. The mean of two axes is then
 /// within a seventh of a microradian of their great circle; the least legal tolerance is ten times as large.
 const LARGEST_TURN: f64 = 0.02;
 
@@ -13,22 +13,22 @@ pub fn rails(stations: &[Point6]) -> Rails {
     let mut rail = Rail::default();
     let mut deviation = Deviation::NONE;
     for (k, pair) in stations.windows(2).enumerate() {
-        let block = Block::new(pair[0], pair[1]);
-        let spans = if block.is_rotation() { rotation::spans(&block) } else { spans(&block) };
+        let leg = Leg::new(pair[0], pair[1]);
+        let spans = if leg.is_rotation() { rotation::spans(&leg) } else { spans(&leg) };
         for span in &spans {
-            let part = Block::new(span.start(), span.end());
+            let part = Leg::new(span.start(), span.end());
             deviation = deviation.max(of_span(span, &[part], Deviation::NONE));
         }
-        let fitted = spans.into_iter().map(|span| Fitted { span, source: Source::Block(k) });
+        let fitted = spans.into_iter().map(|span| Fitted { span, source: Source::Leg(k) });
         rail.pieces.push(Piece::new(fitted));
     }
     rail.number();
     Rails { rail, deviation, n_blends: 0, continuity: Continuity::C0 }
 }
 
-fn spans(block: &Block) -> Vec<Span> {
-    let count = (block.angle / LARGEST_TURN).ceil().max(1.0) as usize;
-    let at = |k: usize| if k == count { block.end } else { block.at(k as f64 / count as f64) };
-    let length = block.length / count as f64;
+fn spans(leg: &Leg) -> Vec<Span> {
+    let count = (leg.angle / LARGEST_TURN).ceil().max(1.0) as usize;
+    let at = |k: usize| if k == count { leg.end } else { leg.at(k as f64 / count as f64) };
+    let length = leg.length / count as f64;
     (0..count).map(|k| Span::line(k as f64 * length, (k + 1) as f64 * length, at(k), at(k + 1))).collect()
 }

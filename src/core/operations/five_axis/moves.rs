@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 
 use super::deviation::{Deviation, mean_of_axes, of_points, of_span};
 use super::drive::Drive;
-use super::path::{Block, Path};
+use super::path::{Leg, Path};
 use super::rail::{Piece, Point6, Source, Span, join, tip, top};
 use super::stations::pose;
 use super::{FiveAxisError, Job, Rails};
@@ -123,11 +123,11 @@ impl Moving<'_> {
                 if i == count { span.to } else { span.from + span.length() * (i as f64 / count as f64) }
             };
             let places: Vec<_> = (0..=count).map(|i| span.jet(at(i))[0]).collect();
-            let blocks: Vec<Block> = match piece.sources[n] {
+            let legs: Vec<Leg> = match piece.sources[n] {
                 Source::Run(_) => Vec::new(),
                 source => {
-                    let [first, last] = source.blocks();
-                    (first..=last).map(|block| self.path.block(block)).collect()
+                    let [first, last] = source.legs();
+                    (first..=last).map(|leg| self.path.leg(leg)).collect()
                 }
             };
             let first = self.builder.n_moves_of_pass();
@@ -145,7 +145,7 @@ impl Moving<'_> {
                         ends,
                         [&places[i], &places[i + 1]],
                         piece.sources[n],
-                        &blocks,
+                        &legs,
                     ));
                     let speed = self.drive.map_or(piece.feeds[n], |drive| drive.largest_speed(k, ends));
                     self.builder.turn_next(to.axis)?;
@@ -159,43 +159,43 @@ impl Moving<'_> {
             }
             if is_blend {
                 let tips: Vec<Vector3<f64>> = places.iter().map(tip).collect();
-                self.deviation.tip_mm = self.deviation.tip_mm.max(corner(&tips, &blocks));
+                self.deviation.tip_mm = self.deviation.tip_mm.max(corner(&tips, &legs));
             }
         }
         Ok(())
     }
 
     /// The bound of the deviation of a chord of the rails.
-    fn of_chord(&self, ends: [f64; 2], places: [&Point6; 2], source: Source, blocks: &[Block]) -> Deviation {
+    fn of_chord(&self, ends: [f64; 2], places: [&Point6; 2], source: Source, legs: &[Leg]) -> Deviation {
         // The axis turns on the great circle; the line of tops that are equally far away is near to it.
         let height = top(&self.path.stations[0]).norm();
         let [start, end] = places.map(|at| join(tip(at), top(at).normalize() * height));
-        let circle = Deviation { tip_mm: 0.0, axis: mean_of_axes(&Block::new(start, end)) };
+        let circle = Deviation { tip_mm: 0.0, axis: mean_of_axes(&Leg::new(start, end)) };
         let chord = Span::line(ends[0], ends[1], start, end);
         match source {
             // The heights of the chords on top.
             Source::Run(_) => self.rails.deviation.plus(self.allowed).plus(circle),
-            // Around a corner, the nearest block changes along the chord.
-            Source::Corner(_) => of_span(&chord, blocks, Deviation::NONE).plus(circle),
+            // Around a corner, the nearest leg changes along the chord.
+            Source::Corner(_) => of_span(&chord, legs, Deviation::NONE).plus(circle),
             // The search may end early at a bound that is no larger than that of the rails.
-            Source::Block(_) => of_span(&chord, blocks, self.rails.deviation).plus(circle),
+            Source::Leg(_) => of_span(&chord, legs, self.rails.deviation).plus(circle),
         }
     }
 }
 
-/// The distance of the corner of two blocks from the chords around it, and of the lines that lead to it, mm.
-fn corner(chords: &[Vector3<f64>], blocks: &[Block]) -> f64 {
+/// The distance of the corner of two legs from the chords around it, and of the lines that lead to it, mm.
+fn corner(chords: &[Vector3<f64>], legs: &[Leg]) -> f64 {
     const PARTS: usize = 8;
     let points: Vec<Vector3<f64>> = chords
         .windows(2)
         .flat_map(|pair| (0..=PARTS).map(|k| pair[0].lerp(&pair[1], k as f64 / PARTS as f64)))
         .collect();
-    let part = |block: &Block, p: &Vector3<f64>| super::deviation::part_of(block, p).clamp(0.0, 1.0);
+    let part = |leg: &Leg, p: &Vector3<f64>| super::deviation::part_of(leg, p).clamp(0.0, 1.0);
     let (leaves, meets) = (&chords[0], &chords[chords.len() - 1]);
-    of_points(&points, &blocks[0], [part(&blocks[0], leaves), 1.0]).max(of_points(
+    of_points(&points, &legs[0], [part(&legs[0], leaves), 1.0]).max(of_points(
         &points,
-        &blocks[1],
-        [0.0, part(&blocks[1], meets)],
+        &legs[1],
+        [0.0, part(&legs[1], meets)],
     ))
 }
 

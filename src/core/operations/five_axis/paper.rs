@@ -4,7 +4,7 @@
 //! 1. Each axis between two others moves toward the point that divides the great circle between its
 //!    neighbours as its tip divides the way between theirs (1, 2).
 //! 2. The bottom points are the tips, the top points are the tips plus the axes times the distance of the top
-//!    (3, 4). Each polyline gives a B-spline: two points at a quarter of every block, moved outward by a
+//!    (3, 4). Each polyline gives a B-spline: two points at a quarter of every leg, moved outward by a
 //!    correction (12 to 17) that is at most the tolerance (18 to 21), are its control points, with both ends.
 //! 3. The knots are uniform (10, 11) and shared. The axis is the direction from the bottom to the top (22).
 //!
@@ -30,7 +30,7 @@
 use nalgebra::Vector3;
 
 use super::deviation::{Deviation, of_span};
-use super::path::Block;
+use super::path::Leg;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, join, tip, top};
 use super::{Continuity, Rails};
 use crate::budget::{Budget, Stopped};
@@ -42,9 +42,9 @@ const CORRECTION: f64 = 13.0 / 48.0;
 
 pub fn rails(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Result<Rails, Stopped> {
     let given = stations;
-    let blocks: Vec<Block> = given.windows(2).map(|pair| Block::new(pair[0], pair[1])).collect();
+    let legs: Vec<Leg> = given.windows(2).map(|pair| Leg::new(pair[0], pair[1])).collect();
     let height = top(&given[0]).norm();
-    let axes = spaced_axes(given, &blocks, tolerance.axis);
+    let axes = spaced_axes(given, &legs, tolerance.axis);
     let bottoms: Vec<Vector3<f64>> = given.iter().map(tip).collect();
     let tops: Vec<Vector3<f64>> = bottoms.iter().zip(&axes).map(|(tip, axis)| tip + axis).collect();
     let bottom = control_points(&bottoms, tolerance.tip_mm);
@@ -63,8 +63,8 @@ pub fn rails(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Resu
             (0..4).map(|column| control[span.first + column] * span.extraction[(row, column)]).sum()
         });
         let span = Span::bezier(span.ends, bezier);
-        let near = [(k.max(1) - 1) / 2, ((k + 2) / 2).min(blocks.len() - 1)];
-        deviation = deviation.max(of_span(&span, &blocks[near[0]..=near[1]], Deviation::NONE));
+        let near = [(k.max(1) - 1) / 2, ((k + 2) / 2).min(legs.len() - 1)];
+        deviation = deviation.max(of_span(&span, &legs[near[0]..=near[1]], Deviation::NONE));
         spans.push(Fitted { span, source: Source::Run(near) });
     }
     Ok(Rails {
@@ -77,24 +77,24 @@ pub fn rails(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Resu
 
 /// The vectors to the tops after the axes are spaced as their tips are (2), each moved by at most `most`
 /// radians.
-fn spaced_axes(given: &[Point6], blocks: &[Block], most: f64) -> Vec<Vector3<f64>> {
+fn spaced_axes(given: &[Point6], legs: &[Leg], most: f64) -> Vec<Vector3<f64>> {
     let mut axes: Vec<Vector3<f64>> = given.iter().map(top).collect();
     for k in 1..given.len() - 1 {
-        let (before, after) = (blocks[k - 1].length, blocks[k].length);
+        let (before, after) = (legs[k - 1].length, legs[k].length);
         if before + after <= 0.0 {
             continue;
         }
         let own = top(&given[k]);
-        let way = Block::new(given[k - 1], given[k + 1]);
+        let way = Leg::new(given[k - 1], given[k + 1]);
         let wanted = way.top_at(before / (before + after));
         let angle = angle_between(&own, &wanted);
-        let move_to = Block::new(join(Vector3::zeros(), own), join(Vector3::zeros(), wanted));
+        let move_to = Leg::new(join(Vector3::zeros(), own), join(Vector3::zeros(), wanted));
         axes[k] = if angle > most { move_to.top_at(most / angle) } else { wanted };
     }
     axes
 }
 
-/// The ends of a polyline and two points in each of its blocks, corrected by at most `most` mm.
+/// The ends of a polyline and two points in each of its legs, corrected by at most `most` mm.
 fn control_points(points: &[Vector3<f64>], most: f64) -> Vec<Vector3<f64>> {
     let last = points.len() - 1;
     // The unit normal of the plane of a corner and the tangent of half its turn.

@@ -1,4 +1,4 @@
-//! The path that is smoothed: poses without duplicates, and the blocks between them.
+//! The path that is smoothed: poses without duplicates, and the legs between them.
 
 use nalgebra::Vector3;
 
@@ -16,7 +16,7 @@ const SAME_AXIS: f64 = 1e-9;
 /// The straight motion from one pose to the next: the tip on a line, the axis on a great circle in step
 /// with the tip.
 #[derive(Debug, Clone, Copy)]
-pub struct Block {
+pub struct Leg {
     pub start: Point6,
     pub end: Point6,
     /// The length of the tip's line, mm, and the angle of the axes, radians.
@@ -24,7 +24,7 @@ pub struct Block {
     pub angle: f64,
 }
 
-impl Block {
+impl Leg {
     pub fn new(start: Point6, end: Point6) -> Self {
         let length = (tip(&end) - tip(&start)).norm();
         Self { start, end, length, angle: angle_between(&top(&start), &top(&end)) }
@@ -39,13 +39,13 @@ impl Block {
         (tip(&self.end) - tip(&self.start)) / self.length
     }
 
-    /// The place at a part of the block, from 0 to 1.
+    /// The place at a part of the leg, from 0 to 1.
     pub fn at(&self, part: f64) -> Point6 {
         let tip = tip(&self.start).lerp(&tip(&self.end), part);
         join(tip, self.top_at(part))
     }
 
-    /// The vector to the top at a part of the block, on the great circle.
+    /// The vector to the top at a part of the leg, on the great circle.
     pub fn top_at(&self, part: f64) -> Vector3<f64> {
         let (a, b) = (top(&self.start), top(&self.end));
         if self.angle <= SAME_AXIS {
@@ -56,7 +56,7 @@ impl Block {
     }
 }
 
-/// Different poses, with the pace of each block between them.
+/// Different poses, with the pace of each leg between them.
 #[derive(Debug, Clone)]
 pub struct Path {
     pub stations: Vec<Point6>,
@@ -74,11 +74,11 @@ impl Path {
         for (index, Waypoint { pose, pace }) in waypoints.iter().enumerate() {
             let at = join(pose.tip.coords, pose.axis.into_inner() * top_mm);
             if let Some(last) = stations.last() {
-                let block = Block::new(*last, at);
-                if block.length <= SAME_TIP_MM && block.angle <= SAME_AXIS {
+                let leg = Leg::new(*last, at);
+                if leg.length <= SAME_TIP_MM && leg.angle <= SAME_AXIS {
                     continue;
                 }
-                if block.angle >= OPPOSITE {
+                if leg.angle >= OPPOSITE {
                     return Err(FiveAxisError::OppositeAxes { index });
                 }
                 paces.push(*pace);
@@ -88,11 +88,11 @@ impl Path {
         if stations.len() < 2 { Err(FiveAxisError::NoMotion) } else { Ok(Self { stations, paces }) }
     }
 
-    pub fn block(&self, k: usize) -> Block {
-        Block::new(self.stations[k], self.stations[k + 1])
+    pub fn leg(&self, k: usize) -> Leg {
+        Leg::new(self.stations[k], self.stations[k + 1])
     }
 
-    /// The ranges of blocks that are cut without a rapid between them, and each rapid alone.
+    /// The ranges of legs that are cut without a rapid between them, and each rapid alone.
     pub fn sections(&self) -> Vec<std::ops::Range<usize>> {
         let mut sections: Vec<std::ops::Range<usize>> = Vec::new();
         for k in 0..self.paces.len() {

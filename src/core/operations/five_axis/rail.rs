@@ -171,29 +171,29 @@ impl Span {
 /// What a span replaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// A block, or a part of it.
-    Block(usize),
-    /// The corner at the start of this block.
+    /// A leg, or a part of it.
+    Leg(usize),
+    /// The corner at the start of this leg.
     Corner(usize),
-    /// Parts of several blocks, from the first to the last.
+    /// Parts of several legs, from the first to the last.
     Run([usize; 2]),
 }
 
 impl Source {
-    /// The first and the last block.
-    pub fn blocks(self) -> [usize; 2] {
+    /// The first and the last leg.
+    pub fn legs(self) -> [usize; 2] {
         match self {
-            Self::Block(k) => [k, k],
+            Self::Leg(k) => [k, k],
             Self::Corner(k) => [k - 1, k],
             Self::Run(ends) => ends,
         }
     }
 
-    /// The same in a path that has `count` blocks before.
+    /// The same in a path that has `count` legs before.
     #[must_use]
     pub fn after(self, count: usize) -> Self {
         match self {
-            Self::Block(k) => Self::Block(k + count),
+            Self::Leg(k) => Self::Leg(k + count),
             Self::Corner(k) => Self::Corner(k + count),
             Self::Run(ends) => Self::Run(ends.map(|k| k + count)),
         }

@@ -84,7 +84,7 @@ impl Report {
         (!self.within_tolerance).then_some(exceeded).into_iter().chain(unproved).collect()
     }
 
-    /// The warning that rounding, and straying between blocks, may take the program of `job` out of the
+    /// The warning that rounding, and straying between legs, may take the program of `job` out of the
     /// tolerance.
     pub fn warning_of_program(&self, job: &Job) -> Option<Warning> {
         let deviation_mm =

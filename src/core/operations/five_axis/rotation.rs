@@ -1,6 +1,6 @@
 //! A rotation of the tool about its resting tip.
 
-use super::path::Block;
+use super::path::Leg;
 use super::rail::{Point6, Span, join, tip, top};
 
 /// The largest turn of one span, radians. A quintic with the right values and derivatives at the ends of so
@@ -8,25 +8,25 @@ use super::rail::{Point6, Span, join, tip, top};
 const LARGEST_TURN: f64 = 0.25;
 
 /// The spans of a turn on the great circle. The parameter is the way of the top, mm.
-pub fn spans(block: &Block) -> Vec<Span> {
-    let count = (block.angle / LARGEST_TURN).ceil().max(1.0) as usize;
-    let (at, from) = (tip(&block.start), top(&block.start));
+pub fn spans(leg: &Leg) -> Vec<Span> {
+    let count = (leg.angle / LARGEST_TURN).ceil().max(1.0) as usize;
+    let (at, from) = (tip(&leg.start), top(&leg.start));
     let radius = from.norm();
-    let across = top(&block.end) - from * (from.dot(&top(&block.end)) / (radius * radius));
+    let across = top(&leg.end) - from * (from.dot(&top(&leg.end)) / (radius * radius));
     let across = across.normalize() * radius;
     let jet = |k: usize| -> [Point6; 3] {
-        let angle = block.angle * (k as f64 / count as f64);
+        let angle = leg.angle * (k as f64 / count as f64);
         let (sin, cos) = angle.sin_cos();
         let out = from * cos + across * sin;
         let resting = nalgebra::Vector3::zeros();
         let value = match k {
-            0 => block.start,
-            k if k == count => block.end,
+            0 => leg.start,
+            k if k == count => leg.end,
             _ => join(at, out),
         };
         [value, join(resting, (across * cos - from * sin) / radius), join(resting, -out / (radius * radius))]
     };
-    let length = block.angle * radius / count as f64;
+    let length = leg.angle * radius / count as f64;
     (0..count)
         .map(|k| Span::quintic([k as f64 * length, (k + 1) as f64 * length], jet(k), jet(k + 1)))
         .collect()
@@ -42,8 +42,8 @@ mod tests {
     #[test]
     fn the_axis_turns_evenly_on_the_great_circle() {
         let tip = Vector3::new(1.0, 2.0, 3.0);
-        let block = Block::new(join(tip, Vector3::z() * 40.0), join(tip, Vector3::new(0.0, 40.0, 0.0)));
-        let spans = spans(&block);
+        let leg = Leg::new(join(tip, Vector3::z() * 40.0), join(tip, Vector3::new(0.0, 40.0, 0.0)));
+        let spans = spans(&leg);
         let whole = spans[spans.len() - 1].to;
         for k in 0..=100 {
             let u = whole * f64::from(k) / 100.0;

@@ -3,11 +3,11 @@
 //! # Method
 //! 1. A station is a corner if the path turns so far there that a smooth curve through it would leave the
 //!    tolerance (`severity`). Between corners, a cubic spline runs through all stations, with shared
-//!    parameters that grow by the length of each block.
+//!    parameters that grow by the length of each leg.
 //! 2. Each span is proved (`deviation`). A span that leaves the tolerance gets a point more: beside a much
-//!    longer block on this block, at distances that grow by a factor; otherwise in the middle, nearer to the
-//!    block. If that is not enough, the worse one of its ends becomes a corner, and the spline is made anew.
-//! 3. At a corner the rails leave the blocks a distance before it and come back to them a distance after it,
+//!    longer leg on this leg, at distances that grow by a factor; otherwise in the middle, nearer to the
+//!    leg. If that is not enough, the worse one of its ends becomes a corner, and the spline is made anew.
+//! 3. At a corner the rails leave the legs a distance before it and come back to them a distance after it,
 //!    on a quintic that continues value, slope and second derivative. The largest distance within the
 //!    tolerance is taken. Where the path turns back, and beside a rotation about a resting tip, the motion
 //!    stops instead.
@@ -18,7 +18,7 @@
 
 use super::blend::{Blend, begin_at, blend, end_at};
 use super::deviation::{Deviation, of_span};
-use super::path::Block;
+use super::path::Leg;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, tip, top};
 use super::{Continuity, FiveAxisError, Rails, rotation, tube};
 use crate::budget::{Budget, Stopped};
@@ -29,46 +29,46 @@ use crate::toolpath::tool_axes::angle_between;
 /// tolerance is a corner.
 const MOST_ROUNDS: usize = 40;
 
-/// Repairs of a block that stands alone, after which the tolerance counts as not reached. Each halves the
-/// parts of the block; ten bring any turn within a nanoradian of the great circle.
+/// Repairs of a leg that stands alone, after which the tolerance counts as not reached. Each halves the
+/// parts of the leg; ten bring any turn within a nanoradian of the great circle.
 const MOST_REPAIRS: u8 = 10;
 
 /// A station is a corner at once if the estimate of its deviation is above this multiple of the tolerance.
 const CERTAIN: f64 = 1.5;
 
-/// A span whose deviation is at most this multiple of the tolerance is drawn nearer to its block.
+/// A span whose deviation is at most this multiple of the tolerance is drawn nearer to its leg.
 const NEARLY: f64 = 1.5;
 
 /// The part of the tolerance that such a span is drawn to.
 const DRAWN_TO: f64 = 0.995;
 
-/// A block is long if it has more than this multiple of the length of the block beside it.
+/// A leg is long if it has more than this multiple of the length of the leg beside it.
 const LONG: f64 = 3.0;
 
-/// The distances of the points on a long block grow by this factor.
+/// The distances of the points on a long leg grow by this factor.
 const GROWTH: f64 = 2.5;
 
-/// Points of a block that are nearer to each other are one point, mm: the points that are added from both
-/// ends may meet those that the block has. The parts of a block need a length above rounding.
+/// Points of a leg that are nearer to each other are one point, mm: the points that are added from both
+/// ends may meet those that the leg has. The parts of a leg need a length above rounding.
 const ONE_POINT_MM: f64 = 1e-6;
 
 /// Turns above this angle are reversals, radians.
 const REVERSAL: f64 = 2.6;
 
-/// Between two points of a block the axis turns by at most this angle, radians.
+/// Between two points of a leg the axis turns by at most this angle, radians.
 const LARGEST_TURN: f64 = 0.2;
 
-/// A point of the spline between the ends of a block.
+/// A point of the spline between the ends of a leg.
 #[derive(Debug, Clone, Copy)]
 struct Inner {
-    /// The part of the block, from 0 to 1.
+    /// The part of the leg, from 0 to 1.
     part: f64,
     at: Point6,
 }
 
 struct Smoother<'a> {
     stations: &'a [Point6],
-    blocks: Vec<Block>,
+    legs: Vec<Leg>,
     is_corner: Vec<bool>,
     inner: Vec<Vec<Inner>>,
     repairs: Vec<u8>,
@@ -80,7 +80,7 @@ struct Smoother<'a> {
 }
 
 /// What follows one corner and ends at the next.
-struct Run {
+struct RunSpans {
     first: usize,
     spans: Vec<Fitted>,
     deviation: Deviation,
@@ -104,14 +104,14 @@ pub fn smooth(
 
 impl<'a> Smoother<'a> {
     fn new(stations: &'a [Point6], tolerance: Deviation) -> Self {
-        let blocks: Vec<Block> = stations.windows(2).map(|pair| Block::new(pair[0], pair[1])).collect();
-        let inner = blocks.iter().map(|block| turned(block, LARGEST_TURN)).collect();
+        let legs: Vec<Leg> = stations.windows(2).map(|pair| Leg::new(pair[0], pair[1])).collect();
+        let inner = legs.iter().map(|leg| turned(leg, LARGEST_TURN)).collect();
         let mut smoother = Self {
             stations,
             is_corner: vec![false; stations.len()],
-            repairs: vec![0; blocks.len()],
+            repairs: vec![0; legs.len()],
             inner,
-            blocks,
+            legs,
             tolerance,
             room: Deviation::NONE,
             in_tube: false,
@@ -124,39 +124,39 @@ impl<'a> Smoother<'a> {
     }
 
     /// An estimate of the deviation of a smooth curve through a station, as a part of the tolerance: that of
-    /// a circle whose chords are as long as the shorter block.
+    /// a circle whose chords are as long as the shorter leg.
     fn severity(&self, k: usize) -> f64 {
-        let (before, after) = (&self.blocks[k - 1], &self.blocks[k]);
+        let (before, after) = (&self.legs[k - 1], &self.legs[k]);
         if before.is_rotation() || after.is_rotation() || self.turn(k) > REVERSAL {
             return f64::INFINITY;
         }
         let shorter = before.length.min(after.length);
-        let slope = |block: &Block| (top(&block.end) - top(&block.start)) / block.length;
+        let slope = |leg: &Leg| (top(&leg.end) - top(&leg.start)) / leg.length;
         let swing = (slope(after) - slope(before)).norm() / top(&before.end).norm();
         (self.turn(k) * shorter / (8.0 * self.tolerance.tip_mm))
             .max(swing * shorter / (8.0 * self.tolerance.axis))
     }
 
     fn turn(&self, k: usize) -> f64 {
-        angle_between(&self.blocks[k - 1].direction(), &self.blocks[k].direction())
+        angle_between(&self.legs[k - 1].direction(), &self.legs[k].direction())
     }
 
     /// The runs between corners, each within the tolerance.
-    fn runs(&mut self, budget: &Budget) -> Result<Vec<Run>, FiveAxisError> {
+    fn runs(&mut self, budget: &Budget) -> Result<Vec<RunSpans>, FiveAxisError> {
         let mut done = Vec::new();
         let mut open: Vec<[usize; 2]> = self.between_corners(0, self.stations.len() - 1);
         for round in 0.. {
             let mut again = Vec::new();
             for [first, last] in open {
                 budget.check()?;
-                if self.blocks[first].is_rotation() {
-                    done.push(Run { first, spans: Vec::new(), deviation: Deviation::NONE });
+                if self.legs[first].is_rotation() {
+                    done.push(RunSpans { first, spans: Vec::new(), deviation: Deviation::NONE });
                     continue;
                 }
                 if self.in_tube && last > first + 1 {
                     let within = self.tolerance.without(self.room);
-                    if let Some(found) = tube::fit(&self.blocks, [first, last], within, budget)? {
-                        done.push(Run { first, spans: found.spans, deviation: found.deviation });
+                    if let Some(found) = tube::fit(&self.legs, [first, last], within, budget)? {
+                        done.push(RunSpans { first, spans: found.spans, deviation: found.deviation });
                         continue;
                     }
                 }
@@ -164,18 +164,18 @@ impl<'a> Smoother<'a> {
                 let is_alone = last == first + 1;
                 let (deviation, failed) = self.proved(&spans, is_alone);
                 if failed.is_empty() {
-                    done.push(Run { first, spans, deviation });
+                    done.push(RunSpans { first, spans, deviation });
                     continue;
                 }
-                for (block, deviation, span) in failed {
-                    if is_alone && self.repairs[block] > MOST_REPAIRS {
+                for (leg, deviation, span) in failed {
+                    if is_alone && self.repairs[leg] > MOST_REPAIRS {
                         let at = tip(&self.stations[first]).into();
                         return Err(FiveAxisError::ToleranceNotReached { at });
                     }
                     if round >= MOST_ROUNDS && !is_alone {
                         self.isolate(first, last);
                     } else {
-                        self.repair(block, deviation, &span, [first, last]);
+                        self.repair(leg, deviation, &span, [first, last]);
                     }
                 }
                 again.extend(self.between_corners(first, last));
@@ -194,18 +194,18 @@ impl<'a> Smoother<'a> {
         corners.windows(2).map(|pair| [pair[0], pair[1]]).collect()
     }
 
-    /// The spline through the stations of a run. A run of one block is that block.
+    /// The spline through the stations of a run. A run of one leg is that leg.
     fn fit(&self, first: usize, last: usize) -> Vec<Fitted> {
         let mut points = vec![self.stations[first]];
-        let (mut steps, mut of_block) = (Vec::new(), Vec::new());
+        let (mut steps, mut of_leg) = (Vec::new(), Vec::new());
         for k in first..last {
-            let block = &self.blocks[k];
+            let leg = &self.legs[k];
             let mut before = 0.0;
-            let end = Inner { part: 1.0, at: block.end };
+            let end = Inner { part: 1.0, at: leg.end };
             for inner in self.inner[k].iter().chain([&end]) {
-                steps.push((inner.part - before) * block.length);
+                steps.push((inner.part - before) * leg.length);
                 points.push(inner.at);
-                of_block.push(k);
+                of_leg.push(k);
                 before = inner.part;
             }
         }
@@ -216,88 +216,88 @@ impl<'a> Smoother<'a> {
             let range = [from, from + step];
             from += step;
             let span = Span::cubic(range, [points[k], spline[k]], [points[k + 1], spline[k + 1]]);
-            spans.push(Fitted { span, source: Source::Block(of_block[k]) });
+            spans.push(Fitted { span, source: Source::Leg(of_leg[k]) });
         }
         spans
     }
 
-    /// The bound of the deviation of all spans, and the blocks of those that leave the tolerance.
+    /// The bound of the deviation of all spans, and the legs of those that leave the tolerance.
     fn proved(&self, spans: &[Fitted], is_alone: bool) -> (Deviation, Vec<(usize, Deviation, Span)>) {
         let mut all = Deviation::NONE;
         let mut failed: Vec<(usize, Deviation, Span)> = Vec::new();
         for (k, Fitted { span, source }) in spans.iter().enumerate() {
-            let [block, _] = source.blocks();
-            let whole = &self.blocks[block];
-            // The points on a block that stands alone or turns far lie on the block.
-            let is_on_block = is_alone || whole.angle > LARGEST_TURN;
-            let part = if is_on_block { Block::new(span.start(), span.end()) } else { *whole };
+            let [leg, _] = source.legs();
+            let whole = &self.legs[leg];
+            // The points on a leg that stands alone or turns far lie on the leg.
+            let is_on_leg = is_alone || whole.angle > LARGEST_TURN;
+            let part = if is_on_leg { Leg::new(span.start(), span.end()) } else { *whole };
             let mut deviation = of_span(span, &[part], Deviation::NONE);
-            // A block that stands alone is a line: it runs along itself.
+            // A leg that stands alone is a line: it runs along itself.
             if !is_alone && !runs_along(span, whole) {
                 deviation.tip_mm = deviation.tip_mm.max(2.0 * NEARLY * self.tolerance.tip_mm);
             }
             all = all.max(deviation);
             let is_first =
-                k == 0 || spans[k - 1].source != *source || failed.last().is_none_or(|last| last.0 != block);
+                k == 0 || spans[k - 1].source != *source || failed.last().is_none_or(|last| last.0 != leg);
             if deviation.of(self.tolerance) > 1.0 && is_first {
-                failed.push((block, deviation, span.clone()));
+                failed.push((leg, deviation, span.clone()));
             }
         }
         (all, failed)
     }
 
-    fn repair(&mut self, block: usize, deviation: Deviation, span: &Span, [first, last]: [usize; 2]) {
-        let tries = self.repairs[block];
-        self.repairs[block] = tries.saturating_add(1);
-        if tries == 0 && self.divide(block, [first, last]) {
+    fn repair(&mut self, leg: usize, deviation: Deviation, span: &Span, [first, last]: [usize; 2]) {
+        let tries = self.repairs[leg];
+        self.repairs[leg] = tries.saturating_add(1);
+        if tries == 0 && self.divide(leg, [first, last]) {
             return;
         }
         let excess = deviation.of(self.tolerance);
-        let own = &self.blocks[block];
+        let own = &self.legs[leg];
         // Another repair of this round may have made its ends corners.
-        let is_alone = self.is_corner[block] && self.is_corner[block + 1];
-        if !is_alone && tries <= 1 && excess <= NEARLY && self.inner[block].is_empty() {
+        let is_alone = self.is_corner[leg] && self.is_corner[leg + 1];
+        if !is_alone && tries <= 1 && excess <= NEARLY && self.inner[leg].is_empty() {
             let middle = span.jet(0.5 * (span.from + span.to))[0];
-            let on_block = own.at(0.5);
-            let at = on_block + (middle - on_block) * (DRAWN_TO / excess);
-            self.inner[block].push(Inner { part: 0.5, at });
+            let on_leg = own.at(0.5);
+            let at = on_leg + (middle - on_leg) * (DRAWN_TO / excess);
+            self.inner[leg].push(Inner { part: 0.5, at });
             return;
         }
-        let ends = [block, block + 1].into_iter().filter(|k| !self.is_corner[*k]);
+        let ends = [leg, leg + 1].into_iter().filter(|k| !self.is_corner[*k]);
         let worst = ends.max_by(|a, b| self.severity(*a).total_cmp(&self.severity(*b)));
         let Some(k) = worst else {
-            // The block stands alone: between more points its axis is nearer to the great circle.
-            self.inner[block] = turned(own, LARGEST_TURN * 0.5_f64.powi(i32::from(tries) + 1));
+            // The leg stands alone: between more points its axis is nearer to the great circle.
+            self.inner[leg] = turned(own, LARGEST_TURN * 0.5_f64.powi(i32::from(tries) + 1));
             return;
         };
         self.is_corner[k] = true;
         // What was drawn to the smooth curve starts again.
         for beside in [k - 1, k] {
-            self.inner[beside] = turned(&self.blocks[beside], LARGEST_TURN);
+            self.inner[beside] = turned(&self.legs[beside], LARGEST_TURN);
             self.repairs[beside] = 0;
         }
     }
 
     /// Makes every station of a run a corner.
     fn isolate(&mut self, first: usize, last: usize) {
-        for block in first..last {
-            self.is_corner[block] = true;
-            self.inner[block] = turned(&self.blocks[block], LARGEST_TURN);
-            self.repairs[block] = 0;
+        for leg in first..last {
+            self.is_corner[leg] = true;
+            self.inner[leg] = turned(&self.legs[leg], LARGEST_TURN);
+            self.repairs[leg] = 0;
         }
     }
 
-    /// Adds points to a block that is much longer than a block beside it. Says whether it did.
-    fn divide(&mut self, block: usize, [first, last]: [usize; 2]) -> bool {
-        let own = self.blocks[block];
+    /// Adds points to a leg that is much longer than a leg beside it. Says whether it did.
+    fn divide(&mut self, leg: usize, [first, last]: [usize; 2]) -> bool {
+        let own = self.legs[leg];
         let mut parts = Vec::new();
         for (is_inside, beside, is_start) in
-            [(block > first, block.wrapping_sub(1), true), (block + 1 < last, block + 1, false)]
+            [(leg > first, leg.wrapping_sub(1), true), (leg + 1 < last, leg + 1, false)]
         {
-            if !is_inside || self.blocks[beside].length * LONG >= own.length {
+            if !is_inside || self.legs[beside].length * LONG >= own.length {
                 continue;
             }
-            let mut distance = self.blocks[beside].length;
+            let mut distance = self.legs[beside].length;
             let mut sum = distance;
             while sum < 0.45 * own.length {
                 let part = sum / own.length;
@@ -309,15 +309,15 @@ impl<'a> Smoother<'a> {
         if parts.is_empty() {
             return false;
         }
-        parts.extend(self.inner[block].iter().map(|inner| inner.part));
+        parts.extend(self.inner[leg].iter().map(|inner| inner.part));
         parts.sort_by(f64::total_cmp);
         parts.dedup_by(|a, b| (*a - *b) * own.length < ONE_POINT_MM);
-        self.inner[block] = parts.into_iter().map(|part| Inner { part, at: own.at(part) }).collect();
+        self.inner[leg] = parts.into_iter().map(|part| Inner { part, at: own.at(part) }).collect();
         true
     }
 
     /// Joins the runs by blends and stops.
-    fn join(&self, runs: Vec<Run>, budget: &Budget) -> Result<Rails, Stopped> {
+    fn join(&self, runs: Vec<RunSpans>, budget: &Budget) -> Result<Rails, Stopped> {
         let mut rails = Rails {
             rail: Rail::default(),
             deviation: Deviation::NONE,
@@ -325,22 +325,22 @@ impl<'a> Smoother<'a> {
             continuity: Continuity::C2,
         };
         let mut piece: Vec<Fitted> = Vec::new();
-        for Run { first, mut spans, deviation } in runs {
+        for RunSpans { first, mut spans, deviation } in runs {
             budget.check()?;
             rails.deviation = rails.deviation.max(deviation);
-            let block = self.blocks[first];
-            if block.is_rotation() {
+            let leg = self.legs[first];
+            if leg.is_rotation() {
                 rails.end_piece(&mut piece);
-                let own = rotation::spans(&block).into_iter();
-                let fitted = own.map(|span| Fitted { span, source: Source::Block(first) });
+                let own = rotation::spans(&leg).into_iter();
+                let fitted = own.map(|span| Fitted { span, source: Source::Leg(first) });
                 rails.rail.pieces.push(Piece::new(fitted));
                 continue;
             }
             if !piece.is_empty() {
-                let blocks = [self.blocks[first - 1], block];
+                let legs = [self.legs[first - 1], leg];
                 let is_turn = self.turn(first) <= REVERSAL;
                 let within = self.tolerance.without(self.room);
-                let found = is_turn.then(|| blend(&piece, &spans, &blocks, within)).flatten();
+                let found = is_turn.then(|| blend(&piece, &spans, &legs, within)).flatten();
                 if let Some(Blend { span, leaves, meets, deviation }) = found {
                     end_at(&mut piece, leaves);
                     begin_at(&mut spans, meets);
@@ -372,14 +372,14 @@ impl Rails {
     }
 }
 
-/// Points on a block whose axis turns far: between them the mean of two axes is near their great circle.
-fn turned(block: &Block, largest: f64) -> Vec<Inner> {
-    let count = (block.angle / largest).ceil().max(1.0) as usize;
-    (1..count).map(|k| k as f64 / count as f64).map(|part| Inner { part, at: block.at(part) }).collect()
+/// Points on a leg whose axis turns far: between them the mean of two axes is near their great circle.
+fn turned(leg: &Leg, largest: f64) -> Vec<Inner> {
+    let count = (leg.angle / largest).ceil().max(1.0) as usize;
+    (1..count).map(|k| k as f64 / count as f64).map(|part| Inner { part, at: leg.at(part) }).collect()
 }
 
-/// Whether the tip never goes back along a block.
-fn runs_along(span: &Span, block: &Block) -> bool {
+/// Whether the tip never goes back along a leg.
+fn runs_along(span: &Span, leg: &Leg) -> bool {
     fn is_forward(span: &Span, direction: &nalgebra::Vector3<f64>, halvings: usize) -> bool {
         let steps: Vec<f64> =
             span.control.windows(2).map(|pair| (tip(&pair[1]) - tip(&pair[0])).dot(direction)).collect();
@@ -392,5 +392,5 @@ fn runs_along(span: &Span, block: &Block) -> bool {
         span.halves().iter().all(|half| is_forward(half, direction, halvings - 1))
     }
     const HALVINGS: usize = 3;
-    is_forward(span, &block.direction(), HALVINGS)
+    is_forward(span, &leg.direction(), HALVINGS)
 }

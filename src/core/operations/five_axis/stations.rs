@@ -5,7 +5,7 @@ use nalgebra::{Point3, Unit};
 use super::FiveAxisError;
 use super::rail::{Piece, Point6, Rail, Span, tip, top};
 use crate::budget::Budget;
-use crate::machine::{Joints, Machine};
+use crate::machine::{AxisPositions, Machine};
 use crate::toolpath::pose::Pose;
 
 /// The most and the least stations of a span. With more, the time hardly shrinks.
@@ -31,7 +31,7 @@ pub struct Stations {
     /// The parameters of the stations of each piece.
     pub places: Vec<Vec<f64>>,
     /// The positions of the axes at all stations, one piece after the other; none without a machine.
-    pub joints: Vec<Option<Joints>>,
+    pub joints: Vec<Option<AxisPositions>>,
 }
 
 pub fn pose(at: &Point6) -> Pose {
@@ -97,7 +97,7 @@ fn followed(
     rail: &Rail,
     places: &[Vec<f64>],
     machine: Option<&Machine>,
-) -> Result<Vec<Option<Joints>>, FiveAxisError> {
+) -> Result<Vec<Option<AxisPositions>>, FiveAxisError> {
     let Some(machine) = machine else {
         return Ok(places.iter().flatten().map(|_| None).collect());
     };
@@ -115,7 +115,7 @@ fn followed(
 }
 
 /// The positions of the axes at poses.
-pub fn follow(machine: &Machine, poses: &[Pose]) -> Result<Vec<Joints>, FiveAxisError> {
+pub fn follow(machine: &Machine, poses: &[Pose]) -> Result<Vec<AxisPositions>, FiveAxisError> {
     machine.follow(poses, [0.0; 2]).map_err(|error| {
         let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
         FiveAxisError::NotFollowed { error, at }

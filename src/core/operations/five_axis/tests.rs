@@ -10,7 +10,7 @@ use crate::toolpath::pose::Waypoint;
 use crate::toolpath::units::FeedRate;
 use judge::{along_moves, farthest};
 
-/// A path like the paper's: 134 blocks along a wave with chords of 5 micrometres. The axis swings sideways.
+/// A path like the paper's: 134 legs along a wave with chords of 5 micrometres. The axis swings sideways.
 fn paper_like() -> (impl Fn(f64) -> Pose, Vec<Pose>) {
     // The height of a chord is curvature times length squared by eight.
     let curve = |t: f64| Point3::new(t, 12.0 * (t / 18.0).sin(), 4.0 * (t / 25.0).cos());
@@ -278,7 +278,7 @@ fn near_duplicates_do_no_harm() {
 }
 
 #[test]
-fn fine_blocks_after_a_long_line_keep_the_line_straight() {
+fn fine_legs_after_a_long_line_keep_the_line_straight() {
     let mut points = vec![[-40.0, -20.0, 0.0]];
     points.extend((0..60).map(|k| {
         let t = f64::from(k) * 0.02;
@@ -391,7 +391,7 @@ fn impossible_paths_are_refused() {
 }
 
 #[test]
-fn five_thousand_blocks_take_little_time() {
+fn five_thousand_legs_take_little_time() {
     let poses: Vec<Pose> = (0..5001)
         .map(|k| {
             let t = f64::from(k) * 0.2;

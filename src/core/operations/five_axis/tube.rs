@@ -2,14 +2,14 @@
 //!
 //! # Method
 //! A run of stations gets a B-spline of degree 5 on single knots, so that four derivatives are continuous.
-//! Its parameter grows by the length of the blocks.
+//! Its parameter grows by the length of the legs.
 //! 1. Among all splines that stay within the tolerance of the stations, the one of the least integral of the
 //!    squared third derivative is found (`least_jerk`).
-//! 2. The spline is proved against the blocks. Where it leaves the tolerance, there are more knots, placed so
+//! 2. The spline is proved against the legs. Where it leaves the tolerance, there are more knots, placed so
 //!    that all spans miss alike, and step 1 begins anew.
 //!
 //! # Guarantees
-//! * At equal parameters the tip of the spline is within `tip_mm` of the blocks. So the blocks are within the
+//! * At equal parameters the tip of the spline is within `tip_mm` of the legs. So the legs are within the
 //!   same distance of the spline.
 //! * The axis of the spline is within the tolerance of the axis that the path has at the nearest place.
 //! * Both bounds are proved for every span.
@@ -29,10 +29,10 @@ mod least_jerk;
 mod tests;
 
 use super::deviation::{Deviation, of_span};
-use super::path::Block;
+use super::path::Leg;
 use super::rail::{Fitted, Point6, Source, Span, tip};
 use crate::budget::{Budget, Stopped};
-use least_jerk::{Problem, Target};
+use least_jerk::{FitPoint, Problem};
 
 /// Rounds of placing knots, at most.
 const MOST_ROUNDS: usize = 60;
@@ -43,13 +43,13 @@ const AHEAD: f64 = 1.1;
 const LEAST: f64 = 0.2;
 const MOST: f64 = 64.0;
 
-/// The spline is searched within this part of the tolerance. Between its targets it may use the rest.
+/// The spline is searched within this part of the tolerance. Between its fit points it may use the rest.
 const AIM: f64 = 0.96;
 
-/// No span is shorter than this part of the shortest block it touches.
+/// No span is shorter than this part of the shortest leg it touches.
 const SHORTEST: f64 = 0.2;
 
-/// Targets of a block for each span on it.
+/// Targets of a leg for each span on it.
 const TARGETS: f64 = 4.0;
 const MOST_TARGETS: usize = 64;
 
@@ -59,24 +59,24 @@ pub struct Tube {
     pub deviation: Deviation,
 }
 
-/// The spline for the blocks of a path from `first` up to `last`; none if none is found within the tolerance.
+/// The spline for the legs of a path from `first` up to `last`; none if none is found within the tolerance.
 pub fn fit(
-    path: &[Block],
+    path: &[Leg],
     [first, last]: [usize; 2],
     within: Deviation,
     budget: &Budget,
 ) -> Result<Option<Tube>, Stopped> {
-    let blocks = &path[first..last];
-    let joints = joints(blocks);
+    let legs = &path[first..last];
+    let joints = joints(legs);
     let whole = joints[joints.len() - 1];
     let mut knots = vec![0.0, whole];
     for _ in 0..MOST_ROUNDS {
         budget.check()?;
         let problem = Problem {
             knots: &knots,
-            targets: targets(blocks, &joints, &knots),
-            ends: [blocks[0].start, blocks[blocks.len() - 1].end],
-            radii: [AIM * within.tip_mm, AIM * within.axis * super::rail::top(&blocks[0].start).norm()],
+            fit_points: fit_points(legs, &joints, &knots),
+            ends: [legs[0].start, legs[legs.len() - 1].end],
+            radii: [AIM * within.tip_mm, AIM * within.axis * super::rail::top(&legs[0].start).norm()],
         };
         let Some(spline) = problem.solve(budget)? else { return Ok(None) };
         let mut excess: Vec<f64> = problem.excess(&spline);
@@ -91,48 +91,48 @@ pub fn fit(
         let worst = excess.iter().copied().fold(0.0, f64::max);
         if worst <= 1.0 {
             let spans = spline.into_iter().map(|span| {
-                let blocks = touched(&span, &joints).map(|block| block + first);
-                Fitted { span, source: Source::Run(blocks) }
+                let legs = touched(&span, &joints).map(|leg| leg + first);
+                Fitted { span, source: Source::Run(legs) }
             });
             return Ok(Some(Tube { spans: spans.collect(), deviation }));
         }
-        let Some(finer) = finer(&knots, &excess, blocks, &joints) else { return Ok(None) };
+        let Some(finer) = finer(&knots, &excess, legs, &joints) else { return Ok(None) };
         knots = finer;
     }
     Ok(None)
 }
 
 /// The parameters of the stations.
-fn joints(blocks: &[Block]) -> Vec<f64> {
+fn joints(legs: &[Leg]) -> Vec<f64> {
     let mut sum = 0.0;
-    let ends = blocks.iter().map(|block| {
-        sum += block.length;
+    let ends = legs.iter().map(|leg| {
+        sum += leg.length;
         sum
     });
     std::iter::once(0.0).chain(ends).collect()
 }
 
 /// Places that the spline has to be near to, in order, without its ends.
-fn targets(blocks: &[Block], joints: &[f64], knots: &[f64]) -> Vec<Target> {
+fn fit_points(legs: &[Leg], joints: &[f64], knots: &[f64]) -> Vec<FitPoint> {
     // The number of spans before a parameter, with their fractions.
     let spans_before = |u: f64| {
         let k = knots.partition_point(|knot| *knot <= u).clamp(1, knots.len() - 1) - 1;
         k as f64 + (u - knots[k]) / (knots[k + 1] - knots[k])
     };
-    let mut targets = Vec::new();
-    for (block, ends) in blocks.iter().zip(joints.windows(2)) {
+    let mut fit_points = Vec::new();
+    for (leg, ends) in legs.iter().zip(joints.windows(2)) {
         let spans = spans_before(ends[1]) - spans_before(ends[0]);
         let count = ((TARGETS * spans).ceil() as usize).clamp(1, MOST_TARGETS);
         for n in 1..=count {
             let part = n as f64 / count as f64;
-            targets.push(Target { u: ends[0] + part * (ends[1] - ends[0]), at: block.at(part) });
+            fit_points.push(FitPoint { u: ends[0] + part * (ends[1] - ends[0]), at: leg.at(part) });
         }
     }
-    targets.pop();
-    targets
+    fit_points.pop();
+    fit_points
 }
 
-/// The first and the last block that a span touches.
+/// The first and the last leg that a span touches.
 fn touched(span: &Span, joints: &[f64]) -> [usize; 2] {
     let last = joints.len() - 2;
     let first = joints.partition_point(|u| *u <= span.from).saturating_sub(1).min(last);
@@ -140,9 +140,9 @@ fn touched(span: &Span, joints: &[f64]) -> [usize; 2] {
     [first, end.max(first)]
 }
 
-/// The bound of the deviation of a span from the blocks at the same parameters.
-fn proved(span: &Span, path: &[Block], run: [usize; 2], joints: &[f64], enough: Deviation) -> Deviation {
-    let blocks = &path[run[0]..run[1]];
+/// The bound of the deviation of a span from the legs at the same parameters.
+fn proved(span: &Span, path: &[Leg], run: [usize; 2], joints: &[f64], enough: Deviation) -> Deviation {
+    let legs = &path[run[0]..run[1]];
     let [first, last] = touched(span, joints);
     let mut all = Deviation::NONE;
     let mut rest = span.clone();
@@ -157,30 +157,30 @@ fn proved(span: &Span, path: &[Block], run: [usize; 2], joints: &[f64], enough: 
         if part.length() <= 0.0 {
             continue;
         }
-        let block = &blocks[k];
+        let leg = &legs[k];
         let place = |u: f64| ((u - joints[k]) / (joints[k + 1] - joints[k])).clamp(0.0, 1.0);
-        let axis = of_span(&part, &[*block], enough).axis;
-        let tip_mm = apart(&part, [block.at(place(part.from)), block.at(place(part.to))], HALVINGS);
-        // The tip may be ahead or behind by its deviation: the nearest place then is beside the block.
+        let axis = of_span(&part, &[*leg], enough).axis;
+        let tip_mm = apart(&part, [leg.at(place(part.from)), leg.at(place(part.to))], HALVINGS);
+        // The tip may be ahead or behind by its deviation: the nearest place then is beside the leg.
         all = all.max(Deviation { tip_mm, axis: axis + beside(path, run[0] + k, tip_mm) });
     }
     all
 }
 
-/// How far the axis of the path turns within a distance before or after a block, radians.
-fn beside(blocks: &[Block], k: usize, distance_mm: f64) -> f64 {
-    let turned = |blocks: &mut dyn Iterator<Item = &Block>| {
+/// How far the axis of the path turns within a distance before or after a leg, radians.
+fn beside(legs: &[Leg], k: usize, distance_mm: f64) -> f64 {
+    let turned = |legs: &mut dyn Iterator<Item = &Leg>| {
         let (mut left, mut sum) = (distance_mm, 0.0);
-        for block in blocks {
-            sum += block.angle * (left / block.length).min(1.0);
-            left -= block.length;
+        for leg in legs {
+            sum += leg.angle * (left / leg.length).min(1.0);
+            left -= leg.length;
             if left <= 0.0 {
                 break;
             }
         }
         sum
     };
-    turned(&mut blocks[k + 1..].iter()).max(turned(&mut blocks[..k].iter().rev()))
+    turned(&mut legs[k + 1..].iter()).max(turned(&mut legs[..k].iter().rev()))
 }
 
 /// Halvings of a part for the bound of its distance.
@@ -206,7 +206,7 @@ fn apart_of_halves(halves: [&Span; 2], ends: [Point6; 3], halvings: usize) -> f6
 
 /// More knots, placed so that all spans miss alike; none where a span becomes too short. The error of a span
 /// shrinks with the sixth power of its length.
-fn finer(knots: &[f64], excess: &[f64], blocks: &[Block], joints: &[f64]) -> Option<Vec<f64>> {
+fn finer(knots: &[f64], excess: &[f64], legs: &[Leg], joints: &[f64]) -> Option<Vec<f64>> {
     let shares: Vec<f64> =
         excess.iter().map(|own| (AHEAD * own).clamp(LEAST, MOST).powf(1.0 / 6.0)).collect();
     let sum: f64 = shares.iter().sum();
@@ -226,7 +226,7 @@ fn finer(knots: &[f64], excess: &[f64], blocks: &[Block], joints: &[f64]) -> Opt
     let is_long = |pair: &[f64]| {
         let span = Span::line(pair[0], pair[1], Point6::zeros(), Point6::zeros());
         let [first, last] = touched(&span, joints);
-        let shortest = blocks[first..=last].iter().map(|block| block.length).fold(f64::INFINITY, f64::min);
+        let shortest = legs[first..=last].iter().map(|leg| leg.length).fold(f64::INFINITY, f64::min);
         pair[1] - pair[0] >= SHORTEST * shortest
     };
     finer.windows(2).all(is_long).then_some(finer)

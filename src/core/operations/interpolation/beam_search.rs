@@ -31,7 +31,7 @@ const MOST_ELEMENTS: usize = 300;
 
 /// A place that can be reached with as many elements as its layer counts.
 #[derive(Clone, Copy)]
-struct Place {
+struct Reached {
     t: f64,
     /// The index, in the layer before, of the place where the last of these elements starts.
     before: usize,
@@ -48,7 +48,7 @@ pub fn fewer(fitter: &Fitter<impl PlaneCurve>, greedy: &[Fitted]) -> Result<Opti
     }
     let (from, to) = (first.range[0], last.range[1]);
     let end = fitter.meter.end_of_search();
-    let mut layers = vec![vec![Place { t: from, before: 0 }]];
+    let mut layers = vec![vec![Reached { t: from, before: 0 }]];
     // A chain that is worth finding has at least one element fewer.
     for k in 0..greedy.len() - 1 {
         if fitter.meter.is_past(end) {
@@ -59,7 +59,7 @@ pub fn fewer(fitter: &Fitter<impl PlaneCurve>, greedy: &[Fitted]) -> Result<Opti
         let mut next = Vec::with_capacity(2 * PLACES);
         for (before, place) in layer.iter().enumerate() {
             match fitter.longest([place.t, to], guess) {
-                Ok(longest) => next.push(Place { t: longest.range[1], before }),
+                Ok(longest) => next.push(Reached { t: longest.range[1], before }),
                 Err(Error::Stopped(stopped)) => return Err(stopped.into()),
                 Err(_) => {}
             }
@@ -72,9 +72,9 @@ pub fn fewer(fitter: &Fitter<impl PlaneCurve>, greedy: &[Fitted]) -> Result<Opti
         let start = layer.iter().map(|place| place.t).fold(from, f64::max);
         for j in 1..PLACES {
             let t = farthest.t - (farthest.t - start) * (j as f64 / PLACES as f64);
-            let fits = |place: &Place| place.t < t && fitter.strain([place.t, t]) <= 1.0;
+            let fits = |place: &Reached| place.t < t && fitter.strain([place.t, t]) <= 1.0;
             if let Some(before) = layer.iter().position(fits) {
-                next.push(Place { t, before });
+                next.push(Reached { t, before });
             }
         }
         next.retain(|place| place.t > start);
@@ -87,7 +87,7 @@ pub fn fewer(fitter: &Fitter<impl PlaneCurve>, greedy: &[Fitted]) -> Result<Opti
 }
 
 /// The elements that lead to the first place of the last layer; `None` if one of them is not proved.
-fn proved(fitter: &Fitter<impl PlaneCurve>, layers: &[Vec<Place>]) -> Option<Vec<Fitted>> {
+fn proved(fitter: &Fitter<impl PlaneCurve>, layers: &[Vec<Reached>]) -> Option<Vec<Fitted>> {
     let mut joints = Vec::with_capacity(layers.len());
     let mut index = 0;
     for layer in layers.iter().rev() {

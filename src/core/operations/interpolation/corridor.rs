@@ -97,7 +97,7 @@ impl Corridor {
         curve: &impl PlaneCurve,
         edges: Edges,
         budget: &Budget,
-    ) -> Result<Option<Vec<Link>>, Stopped> {
+    ) -> Result<Option<Vec<PathLine>>, Stopped> {
         let [left, right] = self.chains(edges);
         if left.iter().chain(&right).any(|p| !(p.x.is_finite() && p.y.is_finite())) {
             return Ok(None);
@@ -136,7 +136,7 @@ impl Corridor {
     }
 
     /// The joints, at which the lines of successive links meet.
-    fn joints(&self, links: &[Link], curve: &impl PlaneCurve) -> Option<Vec<Joint>> {
+    fn joints(&self, links: &[PathLine], curve: &impl PlaneCurve) -> Option<Vec<Joint>> {
         let end = |gate: &Gate| Joint { at: gate.point, t: gate.t, offset_mm: 0.0 };
         let mut joints = vec![end(self.gates.first()?)];
         for pair in links.windows(2) {
@@ -179,7 +179,7 @@ impl Corridor {
 
 /// One line of a path, and the window on it to the next line.
 #[derive(Debug, Clone, Copy)]
-struct Link {
+struct PathLine {
     through: Point2<f64>,
     along: Vector2<f64>,
     /// The last point at which the line touches a chain, and the place where it leaves the corridor.
@@ -189,7 +189,7 @@ struct Link {
     gates: [usize; 2],
 }
 
-impl Link {
+impl PathLine {
     fn is_in_window(&self, p: &Point2<f64>) -> bool {
         let place = |q: &Point2<f64>| (q - self.through).dot(&self.along);
         let (from, to, at) = (place(&self.touch), place(&self.exit), place(p));
@@ -298,7 +298,7 @@ impl<'a> Rest<'a> {
 struct Walk<'a> {
     left: &'a [Point2<f64>],
     right: &'a [Point2<f64>],
-    links: Vec<Link>,
+    links: Vec<PathLine>,
 }
 
 impl Walk<'_> {
@@ -357,7 +357,7 @@ impl Walk<'_> {
             }
             let exit = before.at + (blocked.at - before.at) * part.clamp(0.0, 1.0);
             let touch = line.last;
-            self.links.push(Link {
+            self.links.push(PathLine {
                 through: line.first.at,
                 along: (touch.at - line.first.at).normalize(),
                 touch: touch.at,
@@ -381,6 +381,6 @@ impl Walk<'_> {
         let end = self.left[last];
         let direction = |line: Touching| (line.last.at - line.first.at).normalize();
         let along = (direction(steepest) + direction(flattest)).normalize();
-        self.links.push(Link { through: end, along, touch: end, exit: end, gates: [last, last] });
+        self.links.push(PathLine { through: end, along, touch: end, exit: end, gates: [last, last] });
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Vector2};
 
 use super::conditions::Conditions;
-use crate::geometry::region::{Place, Region};
+use crate::geometry::region::{Containment, Region};
 use crate::geometry::segment::Segment;
 use crate::geometry::spacing::spaces;
 
@@ -46,7 +46,7 @@ pub fn helix(
     let most = 0.5 * conditions.entry.max_diameter_mm;
     let aside = Vector2::new(-along.y, along.x);
     let fits = |center: Point2<f64>, radius: f64| {
-        centers.place(center, TOUCHING_MM) == Place::Inside
+        centers.place(center, TOUCHING_MM) == Containment::Inside
             && centers.distance_to_boundary(center) >= radius - TOUCHING_MM
     };
     let largest = |sense: f64| {

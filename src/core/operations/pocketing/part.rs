@@ -21,7 +21,7 @@ use super::labelling;
 use crate::budget::Budget;
 use crate::geometry::height_field::{Facet, HeightField, HeightFieldError, HeightGrid, SAME_HEIGHT_MM};
 use crate::geometry::polyline;
-use crate::geometry::region::{Outline, OutlineError, Place, Region};
+use crate::geometry::region::{Containment, Outline, OutlineError, Region};
 use crate::geometry::segment::Segment;
 
 /// The largest distance between a surface and the triangles that stand for it, mm.
@@ -66,7 +66,8 @@ impl Part {
             field.for_each_facet(budget, |facet| {
                 let (middle, reach) = facet.disc();
                 let is_inside = walls.as_ref().is_none_or(|walls| {
-                    walls.place(middle, 0.0) == Place::Inside || walls.distance_to_boundary(middle) < reach
+                    walls.place(middle, 0.0) == Containment::Inside
+                        || walls.distance_to_boundary(middle) < reach
                 });
                 if is_inside {
                     facets.push(*facet);

@@ -1,6 +1,6 @@
 //! Motions that state the tool axis: by the angles of rotary axes, or as a vector.
 
-use super::super::posed::{Pace, Posed, ROTARY, TipMode};
+use super::super::posed::{Posed, PosedFeed, ROTARY, TipMode};
 use super::super::{Fault, Step};
 use super::Reader;
 use super::control::Control;
@@ -65,17 +65,17 @@ impl Reader {
         for (angle, letter) in self.leaning.angles.iter_mut().zip(ROTARY) {
             *angle = words.get(letter).or(*angle);
         }
-        let pace = match (motion, self.modal.feed_mode) {
-            (Motion::Rapid, _) => Pace::Rapid,
+        let feed = match (motion, self.modal.feed_mode) {
+            (Motion::Rapid, _) => PosedFeed::Rapid,
             (_, Some(FeedMode::InverseTime)) => {
-                Pace::Seconds(60.0 / words.get('F').filter(|f| *f > 0.0).ok_or(Fault::NoFeed)?)
+                PosedFeed::Seconds(60.0 / words.get('F').filter(|f| *f > 0.0).ok_or(Fault::NoFeed)?)
             }
-            _ => Pace::Feed(self.modal.feed.ok_or(Fault::NoFeed)?),
+            _ => PosedFeed::Feed(self.modal.feed.ok_or(Fault::NoFeed)?),
         };
-        if pace != Pace::Rapid && from.iter().any(Option::is_none) {
+        if feed != PosedFeed::Rapid && from.iter().any(Option::is_none) {
             return Err(Fault::UnknownStart);
         }
         let Leaning { mode, angles } = self.leaning;
-        Ok(Step::Posed(Posed { from, to: self.modal.at, angles, vector, mode, pace }))
+        Ok(Step::Posed(Posed { from, to: self.modal.at, angles, vector, mode, feed }))
     }
 }

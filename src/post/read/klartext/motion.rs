@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector2};
 
 use super::super::cut::Cut;
-use super::super::{Pace, Posed, Step, TipMode};
+use super::super::{Posed, PosedFeed, Step, TipMode};
 use super::words::{self, Speed, Words};
 use super::{Feed, Reader};
 use crate::nc::{Fault, WordFault};
@@ -100,8 +100,8 @@ impl Reader<'_> {
         is_known: bool,
         speed: Option<Speed>,
     ) -> Result<Step, Fault> {
-        let pace = if speed == Some(Speed::Rapid) {
-            Pace::Rapid
+        let feed = if speed == Some(Speed::Rapid) {
+            PosedFeed::Rapid
         } else if self.mode == TipMode::Off && turns {
             return Err(Fault::Conflict);
         } else if from.iter().any(Option::is_none) || !is_known {
@@ -109,10 +109,10 @@ impl Reader<'_> {
         } else if turns && from == self.at {
             self.turning(speed)?
         } else {
-            Pace::Feed(self.rate(speed)?)
+            PosedFeed::Feed(self.rate(speed)?)
         };
         let (to, angles, vector, mode) = (self.at, self.angles, self.vector, self.mode);
-        Ok(Step::Posed(Posed { from, to, angles, vector, mode, pace }))
+        Ok(Step::Posed(Posed { from, to, angles, vector, mode, feed }))
     }
 
     /// `CC`: the centre of the arcs behind it.
@@ -218,12 +218,12 @@ impl Reader<'_> {
     }
 
     /// The feed of a turn about a resting tip, in degrees per minute also in a program in inches.
-    fn turning(&mut self, speed: Option<Speed>) -> Result<Pace, Fault> {
+    fn turning(&mut self, speed: Option<Speed>) -> Result<PosedFeed, Fault> {
         if let Some(Speed::Feed(feed)) = speed {
             self.feed = Some(Feed::Turning(feed));
         }
         match self.feed {
-            Some(Feed::Turning(rate)) => Ok(Pace::DegreesPerMinute(rate)),
+            Some(Feed::Turning(rate)) => Ok(PosedFeed::DegreesPerMinute(rate)),
             _ => Err(Fault::NoFeed),
         }
     }

@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 
 use super::super::tests::{check_faults, read_as, word};
-use super::super::{Pace, Posed, ReadError, Reader as Steps};
+use super::super::{Posed, PosedFeed, ReadError, Reader as Steps};
 use super::*;
 use crate::dialects::heidenhain::HEIDENHAIN;
 use toolpathd_core::geometry::curve::{ArcError, Curve};
@@ -105,7 +105,7 @@ fn inches_are_read_as_millimetres_and_feeds_as_tenths_of_an_inch() {
     assert!((middle(&steps[4]) - Point3::new(381.0, 127.0, 0.0)).norm() < 1e-9);
     // A turn about a resting tip has degrees also here.
     let steps = read(&numbered(&ANGLES.replace(" MM", " INCH"))).unwrap();
-    assert!(matches!(steps[4], Step::Posed(Posed { pace: Pace::DegreesPerMinute(90.0), .. })));
+    assert!(matches!(steps[4], Step::Posed(Posed { feed: PosedFeed::DegreesPerMinute(90.0), .. })));
 }
 
 #[test]
@@ -118,10 +118,10 @@ fn angles_under_tip_control_have_degrees_by_the_minute_where_the_tip_rests() {
             _ => panic!("{step:?}"),
         })
         .collect();
-    let feed = Pace::Feed(FeedRate::from_mm_per_min(500.0).unwrap());
-    let paces: Vec<_> = posed.iter().map(|posed| posed.pace).collect();
-    let turn = Pace::DegreesPerMinute(90.0);
-    assert_eq!(paces, [Pace::Rapid, Pace::Rapid, feed, feed, turn, turn, feed, Pace::Rapid]);
+    let feed = PosedFeed::Feed(FeedRate::from_mm_per_min(500.0).unwrap());
+    let feeds: Vec<_> = posed.iter().map(|posed| posed.feed).collect();
+    let turn = PosedFeed::DegreesPerMinute(90.0);
+    assert_eq!(feeds, [PosedFeed::Rapid, PosedFeed::Rapid, feed, feed, turn, turn, feed, PosedFeed::Rapid]);
     assert_eq!((posed[0].mode, posed[0].from, posed[0].to), (TipMode::Off, [None; 3], [None; 3]));
     assert_eq!((posed[1].mode, posed[1].from), (TipMode::Angles, [None; 3]));
     assert_eq!(posed[3].angles, [None, Some(11.0), Some(-21.0)]);
@@ -134,8 +134,8 @@ fn vectors_are_read_under_tip_control_with_vectors() {
     let Step::Posed(last) = steps[3] else { panic!("not posed") };
     assert_eq!((last.mode, last.vector), (TipMode::Vectors, Some([0.0, -0.6, 0.8])));
     assert_eq!(last.from, [Some(2.0), Some(2.0), Some(30.0)]);
-    assert!(matches!(steps[2], Step::Posed(Posed { pace: Pace::DegreesPerMinute(90.0), .. })));
-    assert!(matches!(steps[0], Step::Posed(Posed { pace: Pace::Rapid, from: [None, None, None], .. })));
+    assert!(matches!(steps[2], Step::Posed(Posed { feed: PosedFeed::DegreesPerMinute(90.0), .. })));
+    assert!(matches!(steps[0], Step::Posed(Posed { feed: PosedFeed::Rapid, from: [None, None, None], .. })));
 }
 
 use WordFault::{Form, Missing, Number as NoNumber, Order, Range, Twice, Unused};

@@ -1,7 +1,7 @@
 //! Blocks of motion.
 
 use super::super::cut::Cut;
-use super::super::{Pace, Posed, ROTARY, Step, TipMode};
+use super::super::{Posed, PosedFeed, ROTARY, Step, TipMode};
 use super::Reader;
 use super::words::Words;
 use crate::nc::{Fault, FeedMode, Motion, WordFault};
@@ -107,24 +107,26 @@ impl Reader<'_> {
             let begins = (0..3).any(|k| before[k].is_none() && turned[k].is_some());
             (self.angles != before, !begins && before.iter().any(Option::is_some))
         };
-        let pace = if motion == Motion::Rapid {
-            Pace::Rapid
+        let feed = if motion == Motion::Rapid {
+            PosedFeed::Rapid
         } else if from.iter().any(Option::is_none) || !is_known {
             return Err(Fault::UnknownStart);
         } else {
             let rests = from == self.modal.at;
-            self.pace(words, turns && (rests || mode == TipMode::Off))?
+            self.feed(words, turns && (rests || mode == TipMode::Off))?
         };
         let (to, angles, vector) = (self.modal.at, self.angles, self.vector);
-        Ok(Step::Posed(Posed { from, to, angles, vector, mode, pace }))
+        Ok(Step::Posed(Posed { from, to, angles, vector, mode, feed }))
     }
 
-    /// The pace of a feed block. `needs_time` tells that no feed by the minute has a known meaning.
-    fn pace(&self, words: &Words, needs_time: bool) -> Result<Pace, Fault> {
+    /// The feed of a feed block. `needs_time` tells that no feed by the minute has a known meaning.
+    fn feed(&self, words: &Words, needs_time: bool) -> Result<PosedFeed, Fault> {
         match self.modal.feed_mode {
-            Some(FeedMode::InverseTime) => Ok(Pace::Seconds(60.0 / words.get('F').ok_or(Fault::NoFeed)?)),
+            Some(FeedMode::InverseTime) => {
+                Ok(PosedFeed::Seconds(60.0 / words.get('F').ok_or(Fault::NoFeed)?))
+            }
             _ if needs_time => Err(Fault::Conflict),
-            _ => Ok(Pace::Feed(self.modal.feed.ok_or(Fault::NoFeed)?)),
+            _ => Ok(PosedFeed::Feed(self.modal.feed.ok_or(Fault::NoFeed)?)),
         }
     }
 

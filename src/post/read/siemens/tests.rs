@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use proptest::prelude::*;
 
 use super::super::tests::{check_faults, read_as, word};
-use super::super::{Pace, Posed, ReadError, Reader as Steps};
+use super::super::{Posed, PosedFeed, ReadError, Reader as Steps};
 use super::*;
 use crate::dialects::siemens::SIEMENS;
 use toolpathd_core::geometry::curve::{ArcError, Curve};
@@ -104,10 +104,10 @@ fn inches_are_read_as_millimetres() {
 #[test]
 fn angles_are_read_under_tip_control() {
     let posed = posed(&read(ANGLES).unwrap());
-    let feed = Pace::Feed(FeedRate::from_mm_per_min(500.0).unwrap());
-    let paces: Vec<_> = posed.iter().map(|posed| posed.pace).collect();
-    let [rapid, turn, timed] = [Pace::Rapid, Pace::Seconds(15.0), Pace::Seconds(30.0)];
-    assert_eq!(paces, [rapid, rapid, feed, feed, turn, timed, feed, rapid]);
+    let feed = PosedFeed::Feed(FeedRate::from_mm_per_min(500.0).unwrap());
+    let feeds: Vec<_> = posed.iter().map(|posed| posed.feed).collect();
+    let [rapid, turn, timed] = [PosedFeed::Rapid, PosedFeed::Seconds(15.0), PosedFeed::Seconds(30.0)];
+    assert_eq!(feeds, [rapid, rapid, feed, feed, turn, timed, feed, rapid]);
     assert_eq!((posed[0].mode, posed[0].to), (TipMode::Off, [None; 3]));
     assert_eq!((posed[1].mode, posed[1].from), (TipMode::Angles, [None; 3]));
     assert_eq!(posed[3].angles, [None, Some(11.0), Some(-21.0)]);
@@ -119,14 +119,14 @@ fn vectors_are_read_as_they_are_written() {
     let posed = posed(&read(VECTORS).unwrap());
     assert!(posed.iter().all(|posed| posed.mode == TipMode::Vectors));
     assert_eq!((posed[1].vector, posed[3].vector), (Some([3.0, 0.0, 4.0]), Some([0.0, -0.6, 0.8])));
-    assert_eq!(posed[2].pace, Pace::Seconds(10.0));
+    assert_eq!(posed[2].feed, PosedFeed::Seconds(10.0));
 }
 
 #[test]
 fn positions_of_five_axes_have_the_time_of_the_block() {
     let posed = posed(&read(POSITIONS).unwrap());
     assert!(posed.iter().all(|posed| posed.mode == TipMode::Off));
-    assert_eq!((posed[3].pace, posed[4].pace), (Pace::Seconds(15.0), Pace::Seconds(30.0)));
+    assert_eq!((posed[3].feed, posed[4].feed), (PosedFeed::Seconds(15.0), PosedFeed::Seconds(30.0)));
     assert_eq!(posed[4].angles, [Some(12.0), None, Some(20.0)]);
 }
 

@@ -28,12 +28,12 @@ pub struct ReadingSpeed {
 }
 
 /// A piece of an answer, which holds the speed until it is written.
-struct Piece {
+struct AnswerPart {
     bytes: Bytes,
     _speed: Arc<ReadingSpeed>,
 }
 
-impl AsRef<[u8]> for Piece {
+impl AsRef<[u8]> for AnswerPart {
     fn as_ref(&self) -> &[u8] {
         &self.bytes
     }
@@ -95,7 +95,7 @@ impl HttpBody for MeasuredBody {
         let size = self.rest.len().min(PIECE_BYTES);
         let piece = self.rest.split_to(size);
         *self.speed.waiting() = Some(Instant::now());
-        let piece = Bytes::from_owner(Piece { bytes: piece, _speed: Arc::clone(&self.speed) });
+        let piece = Bytes::from_owner(AnswerPart { bytes: piece, _speed: Arc::clone(&self.speed) });
         Poll::Ready(Some(Ok(Frame::data(piece))))
     }
 

@@ -47,7 +47,7 @@ pub struct Socket(Arc<Inner>);
 
 /// The side of a socket that hyper reads and writes. A refusal of hyper's parser goes out as [`explained`].
 #[derive(Debug)]
-pub struct Wire {
+pub struct HyperIo {
     socket: Socket,
     /// The bytes of a refusal that are still to be written.
     refusal: Bytes,
@@ -66,8 +66,8 @@ impl Socket {
     }
 
     /// The side for hyper.
-    pub fn wire(&self) -> Wire {
-        Wire { socket: self.clone(), refusal: Bytes::new() }
+    pub fn wire(&self) -> HyperIo {
+        HyperIo { socket: self.clone(), refusal: Bytes::new() }
     }
 
     /// Waits until the caller has closed the connection. Ends never while the caller is there.
@@ -130,7 +130,7 @@ impl Socket {
     }
 }
 
-impl Wire {
+impl HyperIo {
     fn write_refusal(&mut self, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         while !self.refusal.is_empty() {
             let Self { socket, refusal } = self;
@@ -141,7 +141,7 @@ impl Wire {
     }
 }
 
-impl AsyncRead for Wire {
+impl AsyncRead for HyperIo {
     fn poll_read(
         self: Pin<&mut Self>,
         context: &mut Context<'_>,
@@ -162,7 +162,7 @@ impl AsyncRead for Wire {
     }
 }
 
-impl AsyncWrite for Wire {
+impl AsyncWrite for HyperIo {
     fn poll_write(self: Pin<&mut Self>, context: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
         self.poll_write_vectored(context, &[IoSlice::new(bytes)])
     }

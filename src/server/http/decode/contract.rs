@@ -69,7 +69,7 @@ impl Contract {
 
     /// Finds all violations of `body`, and writes `body` as the decoder needs it.
     pub fn check(&self, body: &mut Value) -> Violations {
-        let mut pass = Pass { contract: self, violations: Violations::default() };
+        let mut pass = BodyCheck { contract: self, violations: Violations::default() };
         pass.value(&Path::Body, &self.request, body);
         pass.violations
     }
@@ -129,12 +129,12 @@ impl Contract {
 }
 
 /// The pass over one body.
-struct Pass<'a> {
+struct BodyCheck<'a> {
     contract: &'a Contract,
     violations: Violations,
 }
 
-impl Pass<'_> {
+impl BodyCheck<'_> {
     fn blame(&mut self, at: &Path, code: FieldCode, detail: impl FnOnce() -> String) {
         self.violations.add_made(|| FieldError::new(&at.pointer(), code, detail()));
     }

@@ -33,7 +33,7 @@ use toolpathd_core::toolpath::cutting::CuttingRequest;
 use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_post::AxisOutput;
-use toolpathd_post::path_text::{self, PathTextError, Reading};
+use toolpathd_post::path_text::{self, PathTextError, ReadSettings};
 
 /// Legal values of `tolerance_mm`, of `tolerance_deg`, of `sample_period_ms` and of `retract_mm`.
 const TOLERANCE_MM: Range = Range { min: 1e-5, max: 10.0 };
@@ -187,7 +187,7 @@ impl IntoJob for SmoothRequest {
         let feed =
             feed_mm_per_min.and_then(FeedRate::from_mm_per_min).or(cutting.map(|cutting| cutting.feed));
         let given = Given { path, cl, nc };
-        let reading = Reading { feed, limit: limits.curve_points };
+        let reading = ReadSettings { feed, limit: limits.curve_points };
         let path = given.read(machine.as_ref(), top_mm, reading, &mut violations);
 
         let step_mm = setup.program.resolution.step_mm();
@@ -232,7 +232,7 @@ impl Given {
         self,
         machine: Option<&Machine>,
         top_mm: f64,
-        reading: Reading,
+        reading: ReadSettings,
         violations: &mut Violations,
     ) -> Vec<Waypoint> {
         let root = Pointer::root();
@@ -272,7 +272,7 @@ impl Given {
 fn waypoints(
     path: &[SentPose],
     at: &Pointer,
-    reading: Reading,
+    reading: ReadSettings,
     violations: &mut Violations,
 ) -> Vec<Waypoint> {
     if !violations.count_of_points(at, path.len(), 2, reading.limit) {

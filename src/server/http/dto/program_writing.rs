@@ -9,7 +9,7 @@ use super::cutting::Cutting;
 use super::five_axis::SentMachine;
 use super::meta::{Meta, MetaTexts};
 use super::program::Program;
-use super::sent_toolpath::{Read, Reading, SentToolpath};
+use super::sent_toolpath::{Read, ReadSettings, SentToolpath};
 use super::setup::{JobWithSetup, SentSetup, Setup};
 use super::tool::Tool;
 use super::toolpath::Toolpath;
@@ -86,7 +86,7 @@ impl IntoJob for WriteRequest {
         let sent = SentSetup { tool, cutting, program, meta };
         let (mut setup, request, meta) = sent.convert(&mut violations);
         let machine = machine.and_then(|sent| sent.convert(&root.field("machine"), &mut violations));
-        let reading = Reading {
+        let reading = ReadSettings {
             cutting: request.as_ref(),
             arc_tolerance_mm: ARC_TOLERANCE_STEPS * setup.program.resolution.step_mm(),
             max_moves: limits.moves,

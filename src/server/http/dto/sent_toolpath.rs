@@ -40,7 +40,7 @@ struct SentPass {
 }
 
 /// Defaults and limits for reading moves.
-pub struct Reading<'a> {
+pub struct ReadSettings<'a> {
     /// Gives the feeds of moves without a feed.
     pub cutting: Option<&'a CuttingRequest>,
     /// How far the radii of an arc may differ, and how far the arc may be moved to become exact, mm.
@@ -59,7 +59,7 @@ pub struct Read {
 
 impl SentToolpath {
     /// The toolpath. `None` where it has violations, which `violations` then holds.
-    pub fn convert(self, at: &Pointer, reading: &Reading, violations: &mut Violations) -> Option<Read> {
+    pub fn convert(self, at: &Pointer, reading: &ReadSettings, violations: &mut Violations) -> Option<Read> {
         let Self { start, passes } = self;
         let at_passes = at.field("passes");
         let moves: usize = passes.iter().map(|pass| pass.moves.len()).sum();
@@ -92,7 +92,7 @@ impl SentToolpath {
 struct Reader<'a> {
     builder: Builder,
     moved_mm: f64,
-    reading: &'a Reading<'a>,
+    reading: &'a ReadSettings<'a>,
     violations: &'a mut Violations,
 }
 

@@ -68,7 +68,7 @@ pub struct Answered<'a> {
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct Route {
+struct Endpoint {
     route: String,
 }
 
@@ -93,12 +93,12 @@ struct Stage {
 pub struct Metrics {
     registry: Registry,
     requests: Family<Outcome, Counter>,
-    durations: Family<Route, Histogram>,
+    durations: Family<Endpoint, Histogram>,
     stages: Family<Stage, Histogram>,
     problems: Family<Problem, Counter>,
-    cancellations: Family<Route, Counter>,
-    received: Family<Route, Counter>,
-    sent: Family<Route, Counter>,
+    cancellations: Family<Endpoint, Counter>,
+    received: Family<Endpoint, Counter>,
+    sent: Family<Endpoint, Counter>,
     connections_refused: Counter,
     running: Gauge,
     waiting: Gauge,
@@ -185,7 +185,7 @@ impl Metrics {
         let Answered { route, method, status, code, timing, duration, received_bytes, sent_bytes } = answered;
         let outcome = Outcome { route: route.to_owned(), method: known(method), status: status.as_u16() };
         self.requests.get_or_create(&outcome).inc();
-        let route = Route { route: outcome.route };
+        let route = Endpoint { route: outcome.route };
         self.durations.get_or_create(&route).observe(duration.as_secs_f64());
         self.received.get_or_create(&route).inc_by(received_bytes);
         self.sent.get_or_create(&route).inc_by(sent_bytes);
@@ -198,7 +198,7 @@ impl Metrics {
     }
 
     pub fn cancelled(&self, route: &str) {
-        self.cancellations.get_or_create(&Route { route: route.to_owned() }).inc();
+        self.cancellations.get_or_create(&Endpoint { route: route.to_owned() }).inc();
     }
 
     pub fn connection_refused(&self) {

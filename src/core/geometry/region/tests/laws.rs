@@ -116,7 +116,7 @@ fn sets_agree(a: &Region, b: &Region, places: &[[f64; 2]]) -> Result<(), TestCas
         let [in_a, in_b] = [a, b].map(|region| is_inside(region, p));
         let expected = [in_a, in_b, in_a || in_b, in_a && in_b, in_a && !in_b, in_b && !in_a];
         for (region, is_in) in [a, b, &all, &both, &left, &right].into_iter().zip(expected) {
-            let place = if is_in { Place::Inside } else { Place::Outside };
+            let place = if is_in { Containment::Inside } else { Containment::Outside };
             prop_assert_eq!(region.place(p, 1e-6), place, "{}", p);
         }
     }
@@ -144,8 +144,8 @@ fn offsets_agree(region: &Region, distance: f64, places: &[[f64; 2]]) -> Result<
         // A place beside the boundary is in no inner offset and in every outer offset, on whichever side it
         // lies.
         let is_in = apart > 1e-5 && is_inside(region, p);
-        prop_assert_eq!(inner.place(p, 0.0) == Place::Inside, is_in && apart > distance, "{}", p);
-        prop_assert_eq!(outer.place(p, 0.0) == Place::Inside, is_in || apart < distance, "{}", p);
+        prop_assert_eq!(inner.place(p, 0.0) == Containment::Inside, is_in && apart > distance, "{}", p);
+        prop_assert_eq!(outer.place(p, 0.0) == Containment::Inside, is_in || apart < distance, "{}", p);
     }
     Ok(())
 }

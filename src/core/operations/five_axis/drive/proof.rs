@@ -23,7 +23,7 @@ use nalgebra::Point3;
 
 use super::{Axes, Path, STILL};
 use crate::budget::{Budget, Stopped};
-use crate::machine::{Ball, Inverse, Joints, Machine};
+use crate::machine::{AxisPositions, Ball, Inverse, Machine};
 use crate::operations::five_axis::rail::{Point6, Span, tip, top};
 use crate::operations::five_axis::schedule::{Course, Expansion, Schedule};
 use crate::operations::five_axis::stations::pose;
@@ -114,7 +114,7 @@ impl Path<'_> {
         &self,
         span: &Span,
         range: [f64; 2],
-        joints: Option<Joints>,
+        joints: Option<AxisPositions>,
         axes: &Axes,
     ) -> Option<(Vec<Expansion>, [Expansion; 3])> {
         let w = 0.5 * (range[1] - range[0]);
@@ -142,7 +142,7 @@ fn resting_on_pole(
     machine: &Machine,
     about: &[Point6; ORDERS + 1],
     tops: &[[Ball; ORDERS]],
-    joints: Joints,
+    joints: AxisPositions,
     w: f64,
 ) -> Option<[Expansion; 5]> {
     let turn = tops.iter().map(|top| top[1].most()).fold(0.0, f64::max) / top(&about[0]).norm();

@@ -14,7 +14,7 @@
 use super::newton::{Local, Step};
 use super::rows::{Rows, dot};
 use crate::budget::{Budget, Stopped};
-use crate::operations::five_axis::band::Band;
+use crate::operations::five_axis::banded_matrix::BandedMatrix;
 
 /// The most steps. A search takes 15 to 30; more steps gain less than 1 % of the time.
 const STEPS: usize = 60;
@@ -46,7 +46,7 @@ struct Search<'a> {
     /// b and b' at the nodes, of m and of its change.
     states: Vec<[f64; 2]>,
     state_changes: Vec<[f64; 2]>,
-    band: Band<3>,
+    band: BandedMatrix<3>,
     /// The gradients of the time and of the sum of the logarithms of the limits.
     sides: Vec<[f64; 2]>,
 }
@@ -68,7 +68,7 @@ pub fn fastest(rows: &Rows, m: Vec<f64>, gap: f64, budget: &Budget) -> Result<Ve
         changes: vec![0.0; size],
         states: Vec::new(),
         state_changes: Vec::new(),
-        band: Band::zeros(last),
+        band: BandedMatrix::zeros(last),
         sides: vec![[0.0; 2]; last],
     };
     search.run(gap, budget)?;
@@ -253,7 +253,7 @@ impl Search<'_> {
 
 /// Adds the limits at one end of interval k to the equations. Row i of `map` is the state for a value of 1 of
 /// the control value k - 1 + i alone.
-fn add(band: &mut Band<3>, sides: &mut [[f64; 2]], k: usize, local: &Local, map: &[[f64; 3]; 3]) {
+fn add(band: &mut BandedMatrix<3>, sides: &mut [[f64; 2]], k: usize, local: &Local, map: &[[f64; 3]; 3]) {
     let [q00, q01, q02, q11, q12, q22] = local.curvature;
     for (i, t) in map.iter().enumerate() {
         let product = [

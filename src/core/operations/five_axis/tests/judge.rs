@@ -3,35 +3,35 @@
 use super::*;
 use crate::toolpath::path::{Move, Role};
 
-/// How often a block is shortened by a third in the search for its place nearest to a pose.
+/// How often a leg is shortened by a third in the search for its place nearest to a pose.
 const THIRDS: usize = 60;
 
-/// The distance of a pose from a place of a block, and the angle to the axis there.
-fn apart(block: &[Pose], t: f64, pose: &Pose) -> [f64; 2] {
-    let tip = block[0].tip + (block[1].tip - block[0].tip) * t;
-    let (a, b) = (block[0].axis.into_inner(), block[1].axis.into_inner());
-    let axis = if angle(&a, &b) > 1e-12 { block[0].axis.slerp(&block[1].axis, t).into_inner() } else { a };
+/// The distance of a pose from a place of a leg, and the angle to the axis there.
+fn apart(leg: &[Pose], t: f64, pose: &Pose) -> [f64; 2] {
+    let tip = leg[0].tip + (leg[1].tip - leg[0].tip) * t;
+    let (a, b) = (leg[0].axis.into_inner(), leg[1].axis.into_inner());
+    let axis = if angle(&a, &b) > 1e-12 { leg[0].axis.slerp(&leg[1].axis, t).into_inner() } else { a };
     [(pose.tip - tip).norm(), angle(&axis, &pose.axis)]
 }
 
 /// How far a pose is from a path: the distance to a tip of the path, and the angle to the axis there. If the
 /// path has a place where distance and angle are both allowed, the function answers those of such a place.
 /// Else it divides both by what is allowed, and answers those of the place where the larger quotient is
-/// least. It looks only at the blocks near the pose with the index `near`.
+/// least. It looks only at the legs near the pose with the index `near`.
 fn off(poses: &[Pose], sample: &Pose, near: usize, allowed: [f64; 2]) -> [f64; 2] {
     let quotient = |[tip, angle]: [f64; 2]| (tip / allowed[0]).max(angle / allowed[1]);
-    let blocks = || poses[near.saturating_sub(40)..(near + 40).min(poses.len())].windows(2);
-    let beside = |block: &[Pose]| {
-        let along = block[1].tip - block[0].tip;
-        let t = (sample.tip - block[0].tip).dot(&along) / along.norm_squared().max(1e-18);
-        apart(block, t.clamp(0.0, 1.0), sample)
+    let legs = || poses[near.saturating_sub(40)..(near + 40).min(poses.len())].windows(2);
+    let beside = |leg: &[Pose]| {
+        let along = leg[1].tip - leg[0].tip;
+        let t = (sample.tip - leg[0].tip).dot(&along) / along.norm_squared().max(1e-18);
+        apart(leg, t.clamp(0.0, 1.0), sample)
     };
-    if let Some(within) = blocks().map(beside).find(|apart| quotient(*apart) <= 1.0) {
+    if let Some(within) = legs().map(beside).find(|apart| quotient(*apart) <= 1.0) {
         return within;
     }
-    let least = |block: &[Pose]| {
-        // Distance and angle each fall and then rise along the block, and so does the larger quotient.
-        let at = |t: f64| apart(block, t, sample);
+    let least = |leg: &[Pose]| {
+        // Distance and angle each fall and then rise along the leg, and so does the larger quotient.
+        let at = |t: f64| apart(leg, t, sample);
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..THIRDS {
             let [first, second] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
@@ -39,7 +39,7 @@ fn off(poses: &[Pose], sample: &Pose, near: usize, allowed: [f64; 2]) -> [f64; 2
         }
         [0.0, low, 1.0].map(at).into_iter().min_by(|a, b| quotient(*a).total_cmp(&quotient(*b))).unwrap()
     };
-    blocks().map(least).min_by(|a, b| quotient(*a).total_cmp(&quotient(*b))).unwrap()
+    legs().map(least).min_by(|a, b| quotient(*a).total_cmp(&quotient(*b))).unwrap()
 }
 
 /// The largest distance and the largest angle of all poses from a path. The poses follow the path in order.

@@ -1,4 +1,4 @@
-//! Laws of any path: random paths with corners, rotations, tiny and long blocks.
+//! Laws of any path: random paths with corners, rotations, tiny and long legs.
 
 use proptest::prelude::*;
 

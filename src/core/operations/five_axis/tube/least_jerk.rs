@@ -1,13 +1,13 @@
-//! The spline of least jerk whose distance from targets is limited.
+//! The spline of least jerk whose distance from fit points is limited.
 //!
 //! # Method
 //! Minimize the integral of the squared third derivative of a B-spline over control points c, such that each
-//! value N c is in a ball about its target. The alternating direction method of multipliers divides this into
-//! a banded linear system for c, whose matrix is factored once, and projections into balls. Tip and top are
-//! independent of each other and share the matrix. Both are scaled so that their balls have the radius 1.
+//! value N c is in a ball about its fit point. The alternating direction method of multipliers divides this
+//! into a banded linear system for c, whose matrix is factored once, and projections into balls. Tip and top
+//! are independent of each other and share the matrix. Both are scaled so that their balls have the radius 1.
 //!
 //! # Cost
-//! O(n) for n targets in each iteration.
+//! O(n) for n fit points in each iteration.
 //!
 //! # Reference
 //! S. Boyd et al., *Distributed Optimization and Statistical Learning via the Alternating Direction Method of
@@ -17,7 +17,7 @@ use nalgebra::SMatrix;
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bspline;
-use crate::operations::five_axis::band::Band;
+use crate::operations::five_axis::banded_matrix::BandedMatrix;
 use crate::operations::five_axis::rail::{Point6, Span};
 
 const DEGREE: usize = 5;
@@ -50,7 +50,7 @@ const END_WEIGHT: f64 = 1e7;
 
 /// A place that the spline has to be near to.
 #[derive(Debug, Clone, Copy)]
-pub struct Target {
+pub struct FitPoint {
     pub u: f64,
     pub at: Point6,
 }
@@ -58,7 +58,7 @@ pub struct Target {
 pub struct Problem<'a> {
     /// Distinct knots.
     pub knots: &'a [f64],
-    pub targets: Vec<Target>,
+    pub fit_points: Vec<FitPoint>,
     pub ends: [Point6; 2],
     /// The largest distance of the tip and of the top, mm.
     pub radii: [f64; 2],
@@ -67,14 +67,14 @@ pub struct Problem<'a> {
 /// The six control points of a B-spline that matter for a span, as a matrix that gives its Bernstein points.
 type Extraction = SMatrix<f64, 6, 6>;
 
-/// The values of the basis at a target.
+/// The values of the basis at a fit point.
 struct Row {
     first: usize,
     basis: [f64; WIDTH],
 }
 
 impl Problem<'_> {
-    /// The spans of the spline. It may miss targets where the knots do not allow better; see
+    /// The spans of the spline. It may miss fit points where the knots do not allow better; see
     /// [`Problem::excess`]. `None` where the numbers allow no solution.
     pub fn solve(&self, budget: &Budget) -> Result<Option<Vec<Span>>, Stopped> {
         let extractions = self.extractions();
@@ -83,7 +83,7 @@ impl Problem<'_> {
         let (jerk, near) = self.matrices(&extractions, &rows, size);
         let scale = self.scales();
         let scaled = |p: &Point6| -> [f64; 6] { std::array::from_fn(|k| p[k] / scale[k]) };
-        let centres: Vec<[f64; 6]> = self.targets.iter().map(|target| scaled(&target.at)).collect();
+        let centres: Vec<[f64; 6]> = self.fit_points.iter().map(|fit_point| scaled(&fit_point.at)).collect();
         let ends = self.ends.map(|end| scaled(&end));
 
         let mut weight = FIRST_WEIGHT;
@@ -160,13 +160,13 @@ impl Problem<'_> {
         Ok(points.iter().flatten().all(|x| x.is_finite()).then_some(spans))
     }
 
-    /// The largest distance of each span from its targets, as a part of the radius.
+    /// The largest distance of each span from its fit points, as a part of the radius.
     pub fn excess(&self, spans: &[Span]) -> Vec<f64> {
         let scale = self.scales();
         let mut excess = vec![0.0_f64; spans.len()];
-        for target in &self.targets {
-            let k = self.span_at(target.u);
-            let off = spans[k].jet(target.u)[0] - target.at;
+        for fit_point in &self.fit_points {
+            let k = self.span_at(fit_point.u);
+            let off = spans[k].jet(fit_point.u)[0] - fit_point.at;
             let part = |n: usize| (0..3).map(|k| (off[n + k] / scale[n + k]).powi(2)).sum::<f64>().sqrt();
             excess[k] = excess[k].max(part(0)).max(part(3));
         }
@@ -194,25 +194,30 @@ impl Problem<'_> {
     }
 
     fn rows(&self, extractions: &[Extraction]) -> Vec<Row> {
-        let row = |target: &Target| {
-            let k = self.span_at(target.u);
-            let t = (target.u - self.knots[k]) / (self.knots[k + 1] - self.knots[k]);
+        let row = |fit_point: &FitPoint| {
+            let k = self.span_at(fit_point.u);
+            let t = (fit_point.u - self.knots[k]) / (self.knots[k + 1] - self.knots[k]);
             let bernstein = bernstein(t);
             let basis =
                 std::array::from_fn(|n| (0..6).map(|row| bernstein[row] * extractions[k][(row, n)]).sum());
             Row { first: k, basis }
         };
-        self.targets.iter().map(row).collect()
+        self.fit_points.iter().map(row).collect()
     }
 
-    /// Two matrices: one for the jerk and the ends of the spline, one for the distances from the targets. The
-    /// parameter is scaled such that the mean length of a span is 1.
-    fn matrices(&self, extractions: &[Extraction], rows: &[Row], size: usize) -> (Band<WIDTH>, Band<WIDTH>) {
+    /// Two matrices: one for the jerk and the ends of the spline, one for the distances from the fit points.
+    /// The parameter is scaled such that the mean length of a span is 1.
+    fn matrices(
+        &self,
+        extractions: &[Extraction],
+        rows: &[Row],
+        size: usize,
+    ) -> (BandedMatrix<WIDTH>, BandedMatrix<WIDTH>) {
         // Integrals of products of the Bernstein polynomials of degree 2.
         const GRAM: [[f64; 3]; 3] = [[0.2, 0.1, 1.0 / 30.0], [0.1, 2.0 / 15.0, 0.1], [1.0 / 30.0, 0.1, 0.2]];
         let count = extractions.len() as f64;
         let mean = (self.knots[self.knots.len() - 1] - self.knots[0]) / count;
-        let mut jerk = Band::zeros(size);
+        let mut jerk = BandedMatrix::zeros(size);
         for (k, extraction) in extractions.iter().enumerate() {
             let h = (self.knots[k + 1] - self.knots[k]) / mean;
             // Third differences of the Bernstein points by the control points.
@@ -237,7 +242,7 @@ impl Problem<'_> {
         }
         jerk.add(0, 0, END_WEIGHT);
         jerk.add(size - 1, 0, END_WEIGHT);
-        let mut near = Band::zeros(size);
+        let mut near = BandedMatrix::zeros(size);
         for row in rows {
             for a in 0..6 {
                 for b in 0..=a {

@@ -9,7 +9,7 @@ use super::super::chain::SHORTEST_MM;
 use super::super::router::{Purpose, Router};
 use super::wall::{OnWall, Wall};
 use crate::budget::Budget;
-use crate::geometry::region::{Place, Region};
+use crate::geometry::region::{Containment, Region};
 use crate::geometry::segment::{Segment, left};
 
 /// The target angle as a part of that of the stepover.
@@ -264,7 +264,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
     fn has_room(&self, arc: &Segment) -> bool {
         let has_turn = |t: f64| {
             let center = State { at: arc.at(t), along: arc.direction(t) }.turn_center(self.tight_mm);
-            self.turning.place(center, ON_EDGE_MM) != Place::Outside
+            self.turning.place(center, ON_EDGE_MM) != Containment::Outside
         };
         has_turn(1.0) && has_turn(0.5) && self.router.is_allowed(&[*arc])
     }

@@ -9,7 +9,7 @@ use crate::http::decode::query::{FromQuery, Parameters};
 use crate::http::dto::answer::{PathMembers, joined};
 use crate::http::dto::axis::{AxisDirection, components};
 use crate::http::dto::point::{Coordinates, Point};
-use toolpathd_core::machine::{Joints, Machine};
+use toolpathd_core::machine::{AxisPositions, Machine};
 use toolpathd_core::operations::five_axis as core;
 use toolpathd_core::toolpath::pose::Pose;
 
@@ -67,12 +67,13 @@ pub struct Sample {
     axis: Coordinates<3>,
     /// The positions of the axes of the machine. Absent without `machine`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    joints: Option<AxisPositions>,
+    joints: Option<NamedAxisPositions>,
 }
 
 /// The positions of the axes of a machine. An axis that the machine does not have is absent.
 #[derive(Debug, Clone, Copy, Default, Serialize, ToSchema)]
-pub struct AxisPositions {
+#[schema(as = AxisPositions)]
+pub struct NamedAxisPositions {
     /// Position of X, in mm.
     #[serde(rename = "X")]
     x: f64,
@@ -93,8 +94,8 @@ pub struct AxisPositions {
     c: Option<f64>,
 }
 
-impl AxisPositions {
-    fn new(machine: &Machine, joints: &Joints) -> Self {
+impl NamedAxisPositions {
+    fn new(machine: &Machine, joints: &AxisPositions) -> Self {
         let [x, y, z] = joints.linear_mm;
         let angle = |letter: char| {
             let k = machine.rotary().iter().position(|axis| axis.name == letter)?;
@@ -111,7 +112,9 @@ impl Sample {
             t_s: *t_s,
             tip: (*tip).into(),
             axis: components(axis),
-            joints: machine.zip(joints.as_ref()).map(|(machine, joints)| AxisPositions::new(machine, joints)),
+            joints: machine
+                .zip(joints.as_ref())
+                .map(|(machine, joints)| NamedAxisPositions::new(machine, joints)),
         }
     }
 }

@@ -3,11 +3,11 @@
 /// The matrix with `WIDTH` diagonals on and below the main one: row k holds the entries at (k, k), (k, k - 1)
 /// and so on.
 #[derive(Clone)]
-pub struct Band<const WIDTH: usize> {
+pub struct BandedMatrix<const WIDTH: usize> {
     rows: Vec<[f64; WIDTH]>,
 }
 
-impl<const WIDTH: usize> Band<WIDTH> {
+impl<const WIDTH: usize> BandedMatrix<WIDTH> {
     pub fn zeros(size: usize) -> Self {
         Self { rows: vec![[0.0; WIDTH]; size] }
     }
@@ -53,7 +53,7 @@ impl<const WIDTH: usize> Band<WIDTH> {
         true
     }
 
-    /// Replaces the right sides `x` by the solutions, after [`Band::factor`].
+    /// Replaces the right sides `x` by the solutions, after [`BandedMatrix::factor`].
     pub fn solve<const N: usize>(&self, x: &mut [[f64; N]]) {
         for k in 0..x.len() {
             for back in 1..WIDTH.min(k + 1) {
@@ -82,7 +82,7 @@ mod tests {
 
     fn the_solution_satisfies_the_equations<const WIDTH: usize>(entry: impl Fn(usize, usize) -> f64) {
         let size = 11;
-        let mut band = Band::<WIDTH>::zeros(size);
+        let mut band = BandedMatrix::<WIDTH>::zeros(size);
         for k in 0..size {
             for back in 0..WIDTH.min(k + 1) {
                 band.add(k, back, entry(k, back));
@@ -112,12 +112,12 @@ mod tests {
 
     #[test]
     fn a_matrix_that_is_not_positive_definite_is_refused() {
-        let mut band = Band::<3>::zeros(2);
+        let mut band = BandedMatrix::<3>::zeros(2);
         band.add(0, 0, 1.0);
         band.add(1, 0, 1.0);
         band.add(1, 1, 2.0);
         assert!(!band.factor());
-        let mut negative = Band::<6>::zeros(2);
+        let mut negative = BandedMatrix::<6>::zeros(2);
         negative.add(0, 0, -1.0);
         assert!(!negative.factor());
     }

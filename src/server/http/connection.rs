@@ -103,7 +103,7 @@ async fn connection(
 ) {
     let activity = Arc::new(Activity::default());
     let socket = Socket::new(stream);
-    let wire = socket.wire();
+    let io = socket.for_hyper();
     let service = {
         let (activity, closing, socket) = (Arc::clone(&activity), draining.clone(), socket);
         service_fn(move |request: Request<Incoming>| {
@@ -134,7 +134,7 @@ async fn connection(
         .max_concurrent_streams(STREAMS)
         .max_send_buf_size(WRITE_AHEAD_BYTES)
         .max_header_list_size(HEAD_BYTES);
-    let connection = builder.serve_connection(TokioIo::new(wire), service);
+    let connection = builder.serve_connection(TokioIo::new(io), service);
     match arrival {
         Arrival::Regular => supervise(connection, activity, times, draining).await,
         Arrival::BeyondLimit => drop(timeout(2 * BEYOND_LIMIT_TIME, connection).await),

@@ -10,8 +10,8 @@
 //!    passes the points in their order. With [`Measure::Polyline`], the lines between the points also have to
 //!    be within the tolerance of the element. If the points have different heights, distances are measured in
 //!    space.
-//!    At last, an arc from each range is tried in which the lines between the points turn equally far about the
-//!    arc's centre (`turns`).
+//!    At last, an arc from each range is tried in which the lines between the points turn equally far about
+//!    the arc's centre (`turns`).
 //! 3. The best arc is as far from the farthest point on its left as from the farthest point on its right. If
 //!    this arc does not fit, the result is the element of step 2.
 //!

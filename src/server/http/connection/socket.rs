@@ -66,7 +66,7 @@ impl Socket {
     }
 
     /// The side for hyper.
-    pub fn wire(&self) -> HyperIo {
+    pub fn for_hyper(&self) -> HyperIo {
         HyperIo { socket: self.clone(), refusal: Bytes::new() }
     }
 

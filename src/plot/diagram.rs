@@ -42,6 +42,9 @@ const ROOM: f64 = 0.03;
 /// Values whose range is smaller than this part of them count as one value: the range is rounding.
 const ONE_VALUE: f64 = 1e-9;
 
+/// The room on both sides of one value, as a part of it.
+const ROOM_OF_ONE: f64 = 1e-3;
+
 const STYLE: &str =
     ".plot .before{stroke:#8a8a8a;stroke-width:.13}.plot .after{stroke:#0072b2;stroke-width:.25}";
 
@@ -149,7 +152,7 @@ impl Range {
         let room = if high - low > ONE_VALUE * high.abs().max(low.abs()) {
             ROOM * (high - low)
         } else {
-            1.0_f64.max(1e-3 * high.abs())
+            1.0_f64.max(ROOM_OF_ONE * high.abs())
         };
         Some(Self { low: low - room, high: high + room })
     }

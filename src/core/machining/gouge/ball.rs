@@ -17,6 +17,11 @@ use crate::geometry::surface::patch::SquareBound;
 /// Rounding of a squared distance, as a share of its largest term.
 const ROUNDING: f64 = 1e-13;
 
+/// Parts nearer to the axis of an arc than this share of its radius are measured as if they were this far
+/// from it. Every distance c > 0 gives a true bound; at the axis, where all points of the arc are equally
+/// near, none gives a good one.
+const NEAREST_SHARE: f64 = 1e-3;
+
 /// How near a part is to a piece.
 pub(super) struct Nearness {
     /// A lower bound of the distance, mm. The caller adds the rounding of the coordinates.
@@ -84,9 +89,7 @@ fn to_arc(arc: &Arc, part: &impl Patch) -> SquareBound {
     let r = arc.radius();
     let at_center = part.center() - center;
     let c = at_center.dot(&axes[0]).hypot(at_center.dot(&axes[1]));
-    // Every c > 0 gives a true bound. At the arc's centre all points of the arc are equally near, and no c
-    // gives a good bound.
-    let c = c.max(1e-3 * r);
+    let c = c.max(NEAREST_SHARE * r);
     let weight = (c - r) / c;
     let mut squared = part.bound_squares(&center, &axes, &[weight, weight, 1.0]);
     squared.lowest += r * (r - c);

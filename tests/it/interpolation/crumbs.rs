@@ -40,7 +40,7 @@ async fn a_path_beside_the_profile_has_no_tiny_moves_and_no_nearly_straight_arcs
                     at = to;
                 }
             }
-            assert!(n_cuts >= 10, "{side} {below}: only {n_cuts} cuts");
+            assert!(n_cuts >= 8, "{side} {below}: only {n_cuts} cuts");
         }
     }
 }

@@ -113,14 +113,14 @@ impl Reader<'_> {
             return Err(Fault::UnknownStart);
         } else {
             let rests = from == self.modal.at;
-            self.feed(words, turns && (rests || mode == TipMode::Off))?
+            self.posed_feed(words, turns && (rests || mode == TipMode::Off))?
         };
         let (to, angles, vector) = (self.modal.at, self.angles, self.vector);
         Ok(Step::Posed(Posed { from, to, angles, vector, mode, feed }))
     }
 
     /// The feed of a feed block. `needs_time` tells that no feed by the minute has a known meaning.
-    fn feed(&self, words: &Words, needs_time: bool) -> Result<PosedFeed, Fault> {
+    fn posed_feed(&self, words: &Words, needs_time: bool) -> Result<PosedFeed, Fault> {
         match self.modal.feed_mode {
             Some(FeedMode::InverseTime) => {
                 Ok(PosedFeed::Seconds(60.0 / words.get('F').ok_or(Fault::NoFeed)?))

@@ -45,7 +45,7 @@ pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
 /// How long a browser may remember what pages of another origin may do.
 const PREFLIGHT_AGE: Duration = Duration::from_secs(3600);
 
-/// Serves `router` until `stop` resolves, and then drains: see [`connection::serve`].
+/// Serves `router` until `stop` resolves, and then drains: see `connection::serve`.
 ///
 /// # Errors
 /// When the listener cannot be used.

@@ -36,8 +36,8 @@ pub fn left(v: Vector2<f64>) -> Vector2<f64> {
 }
 
 impl Segment {
-    /// The arc with this bulge: tan(|turn| / 4), positive if the arc lies to the left of its chord, and so
-    /// turns to the right. Where there is no such arc, as for a bulge of 0, the line.
+    /// The arc with this bulge. The size of the bulge is tan(|turn| / 4); it is positive for an arc to the
+    /// left of its chord, which turns to the right. If no arc has this bulge, as for 0, the line.
     pub fn bulging(start: Point2<f64>, end: Point2<f64>, bulge: f64) -> Self {
         PlaneArc::with_bulge(start, end, bulge).map_or(Self::Line { start, end }, Self::Arc)
     }
@@ -104,8 +104,7 @@ impl Segment {
         }
     }
 
-    /// The unit tangents at the start and at the end, those of an arc from its ends; along x if a line has no
-    /// length.
+    /// The unit tangents at the start and at the end; along x if a line has no length.
     pub fn tangents(&self) -> [Vector2<f64>; 2] {
         match self {
             Self::Line { start, end } => [unit(end - start); 2],
@@ -176,7 +175,7 @@ impl Segment {
         }
     }
 
-    /// The size of the coordinates, mm, which their rounding is proportional to.
+    /// A bound of the coordinates, mm. Their rounding grows in proportion to it.
     pub fn magnitude(&self) -> f64 {
         let of = |p: Point2<f64>| p.x.abs().max(p.y.abs());
         let ends = of(self.start()).max(of(self.end()));

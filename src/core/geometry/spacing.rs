@@ -1,11 +1,12 @@
 //! Divides lengths into equal spaces.
 
-/// The part of a space by which a quotient may be above a whole number and still count as that number. The
-/// rounding of quotients up to a million is smaller. Without this part, 80 mm at 2 mm could become 41 spaces.
-/// Spaces exceed `longest` by at most this part of it.
+/// A quotient this little above a whole number counts as that number. The rounding of quotients up to a
+/// million is smaller. Without this, 4.2 mm at 0.3 mm would become 15 spaces. So a space may be longer than
+/// `longest`, by at most this part of it.
 const ROUNDING: f64 = 1e-9;
 
-/// The least number of equal spaces over `length` that are no longer than `longest`; at least one.
+/// The least number of equal spaces over `length`, at least one. None is longer than `longest`, but for
+/// rounding.
 pub fn spaces(length: f64, longest: f64) -> f64 {
     (length / longest - ROUNDING).ceil().max(1.0)
 }

@@ -1,4 +1,4 @@
-//! The state that all handlers share, made of one part for each kind of user.
+//! The state that all layers and handlers share. Most of them take only the part that they need.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -23,7 +23,7 @@ use crate::config::Settings;
 /// Most bytes of the heads of all requests under way.
 const HEAD_MEMORY_BYTES: usize = 32 * 1024 * 1024;
 
-/// The state of the service. A layer or a handler takes the part that it needs.
+/// The state of the service.
 pub struct App {
     pub compute: Arc<Compute>,
     pub(super) capacity: Capacity,
@@ -78,8 +78,8 @@ impl App {
         })
     }
 
-    /// Begins the shutdown, which must be over at `end`: `/readyz` answers 503, so that load balancers send
-    /// new work elsewhere, and programs that are being sent to controls are ended.
+    /// Begins the shutdown. `/readyz` answers 503, so that load balancers send new work elsewhere, programs
+    /// that are being sent to controls stop, and no computation goes on after `end`.
     pub fn drain(&self, end: Instant) {
         self.draining.begin();
         self.compute.end_by(end);

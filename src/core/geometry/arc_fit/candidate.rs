@@ -182,7 +182,7 @@ impl<'a> PointRange<'a> {
             allowed = self.near_lines(near, rule)?;
             found = self.candidates(&allowed, &chord).find(&mut keeps);
         }
-        found.or_else(|| turns::between(self.lines(), &allowed, &chord).into_iter().find(keeps))
+        found.or_else(|| turns::one_bulge_per_range(self.lines(), &allowed, &chord).into_iter().find(keeps))
     }
 
     /// The bulges to try: that of a line, and of arcs from all over the set.

@@ -1,7 +1,7 @@
-//! The words that differ between controls of ISO words, as the reader knows them.
+//! How controls that read ISO words differ, as far as the reader needs to know.
 //!
-//! The facts are those of the controls' manuals. None is taken from the [`Dialect`](crate::Dialect), which
-//! the writer writes from: a wrong word there is refused here.
+//! The facts come from the controls' manuals, never from the [`Dialect`](crate::Dialect) that the writer
+//! uses. So the reader refuses a program in which the writer has used a wrong word.
 
 /// What a control makes of its words. G codes are in tenths.
 #[derive(Debug, Clone, Copy)]
@@ -9,7 +9,7 @@ pub struct Control {
     /// Whether `%` stands before and behind the program.
     pub has_tape_marks: bool,
     pub program_number: Option<ProgramNumber>,
-    /// Whether a number without a point counts least increments.
+    /// Whether lengths must have a point: without one, the control reads X10 as ten of its least steps.
     pub needs_points: bool,
     pub dwell: Dwell,
     /// G codes that only some controls know.
@@ -20,9 +20,10 @@ pub struct Control {
     pub length_offset: Option<i32>,
     /// The code whose H word is the number of a work offset.
     pub work_offset: Option<i32>,
-    /// The codes, each with an H word, after which coordinates are those of the tip: with angles of the
-    /// rotary axes, and with vectors of the tool axis.
+    /// The code, with an H word, after which coordinates are those of the tip, with angles of the rotary
+    /// axes.
     pub angles: Option<i32>,
+    /// The same, with vectors of the tool axis.
     pub vectors: Option<i32>,
 }
 

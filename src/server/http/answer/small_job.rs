@@ -36,7 +36,8 @@ const DROPPED_POINTS: usize = 1_000;
 /// Poses that are joined in half a second, at some 2 ms for each.
 const POSES: usize = 250;
 
-/// Width of a band in mm in which a curve of a few elements for each millimetre is found in half a second.
+/// The narrowest band of a small job, mm; a wider band needs fewer elements. Within this one, a curve takes a
+/// few elements for each mm, and half a second in all.
 const BAND_MM: f64 = 1e-4;
 
 /// A job whose work can be estimated.

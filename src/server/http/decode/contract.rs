@@ -270,7 +270,7 @@ fn is_whole(number: &Number) -> bool {
     !number.is_f64() || number.as_f64().is_some_and(|value| value.fract() == 0.0)
 }
 
-/// The type of a schema, without `null`. `Null` where the schema allows nothing else.
+/// The type of a schema, but for `null`. `Null` if the schema allows only `null`, or names no type.
 pub(super) fn type_of(types: &SchemaType) -> Type {
     match types {
         SchemaType::Type(own) => own.clone(),

@@ -2,7 +2,7 @@
 //! module for each operation. Each operation has a function `plan(&job, &budget)`. With the feature `wire`,
 //! reports, enums and plain settings are JSON by serde, and have schemas by utoipa.
 //!
-//! Points and vectors are those of `nalgebra`. Lengths are mm, and angles are radians unless a name says
+//! Points and vectors are types of `nalgebra`. Lengths are mm, and angles are radians unless a name says
 //! otherwise.
 //!
 //! # Example

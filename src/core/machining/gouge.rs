@@ -22,9 +22,9 @@
 //!   The result is at least this distance, too, except near edges, where the surface ends or turns sharply.
 //! * The result exceeds the largest of these depths and distances by about the gap at most. The excess is
 //!   larger if 20,000 halvings for one piece are not enough.
-//! * Below a flat end or a bull nose, the distance of the rim is measured from tangent planes of the surface.
-//!   Beside an end of the surface, and where the surface bends, the result may exceed both. It is at most 5/3
-//!   of the largest depth, and the gap.
+//! * Below a sharp rim of the cutter, the depth of a surface point counts up to √2 times, because the rim
+//!   reaches that far below a slope. At an end of the surface and at folds between patches it counts up to
+//!   5/3 times.
 //! * Only surface, cutter and path are used. So the result is an independent check of the planning of the
 //!   path.
 //!

@@ -116,7 +116,7 @@ struct Line {
 }
 
 /// Tips that are nearer to each other are the same, mm: far below what a program can say. The block then
-/// turns the axis about its tip, and its feed is that of the top.
+/// turns the axis about its tip, and the top moves at the feed.
 const SAME_TIP_MM: f64 = 1e-7;
 
 /// Names of codes that turn, move or scale the frame.

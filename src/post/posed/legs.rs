@@ -19,6 +19,7 @@ pub struct Leg<'a> {
     pub rail: Option<&'a Rail>,
 }
 
+/// How fast a leg is run, or how long it takes.
 #[derive(Clone, Copy)]
 pub enum LegTime {
     Feed(FeedRate),

@@ -15,7 +15,7 @@ pub enum TipMode {
     Vectors,
 }
 
-/// How long a motion takes.
+/// How fast a motion goes, or how long it takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PosedFeed {
     Rapid,

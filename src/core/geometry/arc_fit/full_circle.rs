@@ -24,11 +24,11 @@ const ROUNDS: usize = 40;
 /// corners of a polygon.
 const WIDEST_GAP: f64 = std::f64::consts::PI / 6.0;
 
-/// A circle and the sense in which the points pass it. How far the turn of points about a centre may differ
-/// from one turn, radians. The points are closed, so that they turn by a whole number of turns but for
-/// rounding.
+/// How far the turn of points about a centre may differ from one turn, radians. The points are closed, so
+/// that they turn by a whole number of turns but for rounding.
 const ONE_TURN: f64 = 1e-6;
 
+/// A circle and the sense in which the points pass it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FullCircle {
     pub center: Vector2<f64>,

@@ -30,8 +30,8 @@ const MOST_HALVINGS: usize = 7;
 const NEAR: f64 = 1.002;
 
 /// Added to that multiple: a nanometre, and an angle that moves a place a metre from the tip by a tenth of a
-/// micrometre. No machine shows either. Without this part, spans on their leg would be halved to the end,
-/// because what is seen there is zero.
+/// micrometre. No machine shows either. Without this part, a span on its leg would be halved to the end:
+/// its deviation is zero, and no bound is within a multiple of zero.
 const UNSEEN: Deviation = Deviation { tip_mm: 1e-6, axis: 1e-7 };
 
 /// The directions of a mean of two vectors and of the great circle between them differ by at most this part
@@ -153,7 +153,7 @@ pub fn mean_of_axes(leg: &Leg) -> f64 {
     MEAN_OF_AXES * leg.angle.powi(3)
 }
 
-/// Bound of the angle between the rail's axis and that of the leg at the nearest place, radians.
+/// Bound of the angle between the axis of the rail and the axis of the leg at the nearest place, radians.
 fn axis_bound(span: &Span, leg: &Leg) -> f64 {
     if leg.angle > LARGE_ANGLE {
         return std::f64::consts::PI;

@@ -46,7 +46,7 @@ const PROVED_LENGTH_PART: f64 = 1e-6;
 /// by this share of that element. Smaller gains may be rounding of the search.
 const FARTHER_PART: f64 = 1e-6;
 
-/// The least strain that counts: below it, logarithms of strains would be those of rounding, or infinite.
+/// Smaller strains count as this one. They are rounding, and the logarithm of zero is infinite.
 const LEAST_STRAIN: f64 = 1e-12;
 
 /// Shares by which a length is shortened until its element is proved. If none of them helps, the length is

@@ -187,7 +187,8 @@ impl<'a> Slicer<'a> {
 
     /// The outermost plane at the end `extent` mm; `inward` (1 or -1) points into the part. Along a straight
     /// edge the plane lies on the extent, else [`TOUCH_MM`] inside. At the tip of a sharp corner it lies
-    /// farther inside, where the section is long enough to be cut, but by no more than half of `stepover` mm.
+    /// farther inside, where the section is long enough to be cut, by at most half of `stepover` mm and a
+    /// quarter of `width` mm.
     fn outermost(
         &self,
         job: &Job,

@@ -20,10 +20,9 @@ pub struct Control {
     pub length_offset: Option<i32>,
     /// The code whose H word is the number of a work offset.
     pub work_offset: Option<i32>,
-    /// The code, with an H word, after which coordinates are those of the tip, with angles of the rotary
-    /// axes.
+    /// The code that begins tip control with angles of the rotary axes, with an H word.
     pub angles: Option<i32>,
-    /// The same, with vectors of the tool axis.
+    /// The code that begins tip control with vectors of the tool axis, with an H word.
     pub vectors: Option<i32>,
 }
 

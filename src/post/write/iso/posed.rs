@@ -7,7 +7,7 @@ use crate::dialect::{AxisOutput, TipControl};
 use crate::posed::VECTOR_DECIMALS;
 
 impl Writer<'_> {
-    /// The words after which coordinates are those of the tip, with the length offset.
+    /// Writes the words that begin tip control, with the length offset.
     pub(super) fn begin_tip_control(&mut self, axis: AxisWords) -> Result<(), WriteError> {
         let TipControl { before, words, off, .. } = self.tip_control(axis).ok_or(WriteError::AxisOutput)?;
         for text in before {

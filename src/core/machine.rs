@@ -17,7 +17,7 @@
 //! Forward: the tip is the linear position, plus the shift of the tip by the head, turned back by the table.
 //! Inverse: the two rotary angles follow from the tool axis alone (`orientation`), and then the linear axes
 //! follow from the tip. One generic function serves numbers and Taylor series (`series`), so that derivatives
-//! belong to the same solution. `follow` chooses the solutions along a path.
+//! belong to the same solution (`along`). `follow` chooses the solutions along a path.
 //!
 //! # Guarantees
 //! * The pose of an inverse differs from the given pose by less than 1e-10, in mm for the tip (within 1000
@@ -37,6 +37,7 @@
 //! R. M. Murray, Z. Li, S. S. Sastry, *A Mathematical Introduction to Robotic Manipulation*, CRC Press, 1994,
 //! chapter 3: products of exponentials and the Paden-Kahan subproblems.
 
+mod along;
 mod ball;
 mod follow;
 pub mod named;
@@ -53,13 +54,13 @@ use std::f64::consts::TAU;
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 use crate::toolpath::pose::Pose;
+pub use along::Through;
 pub use ball::Ball;
 pub use follow::FollowError;
 use orientation::{Orientation, RotaryPair};
 pub use rotary_axis::{Kind, RotaryAxis};
 use rotary_axis::{Line, is_within};
 use scalar::{Scalar, add, constant, rotate, subtract};
-use series::Series;
 pub use straying::Straying;
 
 /// The positions of the five axes.
@@ -298,48 +299,9 @@ impl Machine {
         AxisPositions { linear_mm: self.linear([tip.x, tip.y, tip.z], rotary), rotary }
     }
 
-    /// The value and the first three derivatives of X, Y, Z (mm) and the two rotary axes (radians) by the
-    /// parameter of a path. `tip` and `axis` hold the value and the first three derivatives of the tip and of
-    /// a vector along the tool axis, of any length. `near` selects the branch and the number of full turns.
-    ///
-    /// `None` at the pole, at the end of reach, beyond it, and for numbers that are not finite.
-    pub fn derivatives(
-        &self,
-        tip: &[Vector3<f64>; 4],
-        axis: &[Vector3<f64>; 4],
-        near: &AxisPositions,
-    ) -> Option<[[f64; 4]; 5]> {
-        let along = |of: &[Vector3<f64>; 4]| {
-            [0, 1, 2].map(|k| Series::from_derivatives([of[0][k], of[1][k], of[2][k], of[3][k]]))
-        };
-        let all = self.along(along(tip), along(axis), near)?.map(Series::derivatives);
-        all.iter().flatten().all(|d| d.is_finite()).then_some(all)
-    }
-
-    /// Balls around the Taylor coefficients of X, Y, Z (mm) and the two rotary axes (radians) over a range of
-    /// the parameter of a path: the coefficient of order k is the derivative by k!. `tip` and `axis` hold
-    /// such balls of the tip and of a vector along the tool axis. `near` selects the branch and the number of
-    /// full turns.
-    ///
-    /// `None` where the range may touch the pole or the end of reach.
-    pub fn coefficients<const N: usize>(
-        &self,
-        tip: [[Ball; N]; 3],
-        axis: [[Ball; N]; 3],
-        near: &AxisPositions,
-    ) -> Option<[[Ball; N]; 5]> {
-        let all = self.along(tip.map(Series), axis.map(Series), near)?.map(|series| series.0);
-        all.iter().flatten().all(|ball| ball.most().is_finite()).then_some(all)
-    }
-
-    /// The positions for a tip and a vector along the tool axis.
-    fn along<S: Scalar>(&self, tip: [S; 3], axis: [S; 3], near: &AxisPositions) -> Option<[S; 5]> {
-        let Orientation::Two(both) = self.pair.solve(axis) else {
-            return None;
-        };
-        let rotary = nearer(both.map(|angles| self.in_order(angles)), near.rotary);
-        let [x, y, z] = self.linear(tip, rotary);
-        Some([x, y, z, rotary[0], rotary[1]])
+    /// The directions of the tool axis at the poles that the machine reaches, in the workpiece frame.
+    pub fn poles(&self) -> impl Iterator<Item = UnitVector3<f64>> + use<> {
+        self.pair.poles().map(UnitVector3::new_normalize)
     }
 
     /// The direction of the tool axis in the workpiece frame.

@@ -106,7 +106,26 @@ impl Machine {
     /// # Errors
     /// The first pose that no position reaches. Otherwise, the place where every way to follow the path ends.
     pub fn follow(&self, poses: &[Pose], start: [f64; 2]) -> Result<Vec<AxisPositions>, FollowError> {
-        let path = Path::new(self, poses, start)?;
+        self.followed(poses, start, true)
+    }
+
+    /// The positions for every pose of a path that is known between its poses, too: the branch changes only
+    /// at poses on the pole, and at the end of reach. A path that passes beside the pole turns the axis next
+    /// to the workpiece by half a turn there.
+    ///
+    /// # Errors
+    /// Those of [`Self::follow`].
+    pub fn follow_exactly(&self, poses: &[Pose], start: [f64; 2]) -> Result<Vec<AxisPositions>, FollowError> {
+        self.followed(poses, start, false)
+    }
+
+    fn followed(
+        &self,
+        poses: &[Pose],
+        start: [f64; 2],
+        may_cross: bool,
+    ) -> Result<Vec<AxisPositions>, FollowError> {
+        let path = Path { may_cross, ..Path::new(self, poses, start)? };
         if path.stations.is_empty() {
             return path.rest_on_pole().map_err(|at| path.error(at));
         }
@@ -127,6 +146,8 @@ struct Path<'a> {
     machine: &'a Machine,
     poses: &'a [Pose],
     start: [f64; 2],
+    /// Whether the branch may change between two poses on both sides of a pole.
+    may_cross: bool,
     stations: Vec<Station>,
     /// The fixed angle of each pose at the pole; zero for the others.
     fixed: Vec<f64>,
@@ -140,7 +161,8 @@ impl<'a> Path<'a> {
         if let Some(k) = (0..2).find(is_unusable) {
             return Err(FollowError::UnusableStart { axis: machine.rotary[k].name });
         }
-        let mut path = Self { machine, poses, start, stations: vec![], fixed: vec![], way_mm: vec![] };
+        let mut path =
+            Self { machine, poses, start, may_cross: true, stations: vec![], fixed: vec![], way_mm: vec![] };
         let mut way_mm = 0.0;
         for (index, pose) in poses.iter().enumerate() {
             let mut fixed = 0.0;

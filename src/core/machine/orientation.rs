@@ -13,6 +13,8 @@
 //! # Guarantees
 //! * The vector v is accurate to rounding divided by the sine of the angle between p and q, also near the
 //!   pole: components across q come from scalar products and never from 1 - c^2.
+//! * Along a path through the pole, what vanishes there is divided out
+//!   ([`RotaryPair::solve_through`]): angles and derivatives are as accurate as elsewhere.
 //! * Branch 0 has +n and branch 1 has -n. Along a continuous path a branch can only pass into the other one
 //!   at the pole and where n vanishes.
 //!
@@ -32,6 +34,8 @@
 //! # Reference
 //! R. M. Murray, Z. Li, S. S. Sastry, *A Mathematical Introduction to Robotic Manipulation*, CRC Press, 1994,
 //! chapter 3, section 3.2, Paden-Kahan subproblem 2.
+
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
 
@@ -96,13 +100,25 @@ impl RotaryPair {
 
     /// The angles for a tool axis of any length.
     pub fn solve<S: Scalar>(&self, axis: [S; 3]) -> Orientation<S> {
+        self.solve_from(axis, 0.0)
+    }
+
+    /// The direction across q of a tool axis, radians.
+    pub fn direction(&self, axis: &Vector3<f64>) -> f64 {
+        let [a, b] = self.across_q.map(|along| along.dot(axis));
+        b.atan2(a)
+    }
+
+    /// The angles for a tool axis of any length. Directions across q count from `start` on, radians: balls
+    /// around the angles are narrowest for the direction of the axis itself, above all beside the pole.
+    pub fn solve_from<S: Scalar>(&self, axis: [S; 3], start: f64) -> Orientation<S> {
         let length = (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]).sqrt();
         if !length.value().is_finite() {
             return Orientation::Unreachable;
         }
         let axis = axis.map(|x| x / length);
         let c = dot(axis, &self.q);
-        let [a, b] = [0, 1].map(|k| dot(axis, &self.across_q[k]));
+        let [a, b] = turned_back([0, 1].map(|k| dot(axis, &self.across_q[k])), start);
         let h = a.value().hypot(b.value());
         let m = (S::constant(self.height) - c.scale(self.cos)).scale(1.0 / self.sin);
         let excess = m.value().abs() - h;
@@ -114,7 +130,7 @@ impl RotaryPair {
             let zero = S::constant(0.0);
             return Orientation::Pole { alpha: self.alpha(c, [zero, zero]) };
         }
-        let beta = |n: S| (a * n - b * m).atan2(a * m + b * n);
+        let beta = |n: S| less((a * n - b * m).atan2(a * m + b * n), start);
         if excess >= 0.0 {
             let n = S::constant(0.0);
             return Orientation::Touch([self.alpha(c, [m, n]), beta(n)]);
@@ -122,6 +138,43 @@ impl RotaryPair {
         let across = (a * a + b * b).sqrt();
         let n = ((across - m) * (across + m)).sqrt();
         Orientation::Two([n, -n].map(|n| [self.alpha(c, [m, n]), beta(n)]))
+    }
+
+    /// The angles along a path through the pole, where the equations of [`RotaryPair::solve`] are zero by
+    /// zero. `across` is the part of the tool axis across q, divided by `way`: a signed way from the pole,
+    /// which vanishes on it. Both solutions pass the pole without a turn of q: there the path of the tool
+    /// axis goes straight on, and the angle about p changes its sign. Directions across q count from `start`
+    /// on. `None` where the machine does not reach the pole.
+    pub fn solve_through<S: Scalar>(
+        &self,
+        axis: [S; 3],
+        (across, way): ([S; 3], S),
+        start: f64,
+    ) -> Option<[[S; 2]; 2]> {
+        let length = (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]).sqrt();
+        if !length.value().is_finite() {
+            return None;
+        }
+        let c = dot(axis, &self.q) / length;
+        let pole = c.value().signum();
+        if (self.height - pole * self.cos).abs() > REACH * self.sin {
+            return None;
+        }
+        let [a, b] = turned_back([0, 1].map(|k| dot(across, &self.across_q[k]) / length), start);
+        // The same equations, with h, m and n divided by the way.
+        let square = a * a + b * b;
+        let m = (way * square / (S::constant(1.0) + c.scale(pole))).scale(pole * self.cos / self.sin);
+        let n = (square - m * m).sqrt();
+        let beta = |n: S| less((a * n - b * m).atan2(a * m + b * n), start);
+        let alpha = |n: S| self.alpha(c, [way * m, way * n]);
+        Some([n, -n].map(|n| [alpha(n), beta(n)]))
+    }
+
+    /// The tool axes on the pole that the machine reaches.
+    pub fn poles(&self) -> impl Iterator<Item = Vector3<f64>> + use<> {
+        let reached = [1.0, -1.0].map(|pole| (self.height - pole * self.cos).abs() <= REACH * self.sin);
+        let q = self.q;
+        [q, -q].into_iter().zip(reached).filter_map(|(axis, is_reached)| is_reached.then_some(axis))
     }
 
     /// The angle about p from v to z. `c` is the component of v along q, `across` are those across q.
@@ -133,4 +186,27 @@ impl RotaryPair {
         };
         (-component(&self.across_p[1])).atan2(component(&self.across_p[0]))
     }
+}
+
+/// A vector of the plane, turned back by an angle, radians.
+fn turned_back<S: Scalar>([a, b]: [S; 2], angle: f64) -> [S; 2] {
+    if angle == 0.0 {
+        return [a, b];
+    }
+    let (sin, cos) = angle.sin_cos();
+    [a.scale(cos) + b.scale(sin), b.scale(cos) - a.scale(sin)]
+}
+
+/// An angle less another, both in (-pi, pi], and so is the result.
+fn less<S: Scalar>(angle: S, other: f64) -> S {
+    if other == 0.0 {
+        return angle;
+    }
+    let less = angle - S::constant(other);
+    let turn = match less.value() {
+        value if value > PI => TAU,
+        value if value <= -PI => -TAU,
+        _ => return less,
+    };
+    less - S::constant(turn)
 }

@@ -1,7 +1,8 @@
 //! Smooths a path of five axes: tips and tool axes on rails, within tolerances (Ahn, Jee).
 //!
 //! # Method
-//! 1. Poses that repeat the one before are left out (`path`).
+//! 1. The path is cleaned: poses that are one within a small part of the tolerance become one, and so do
+//!    turns about one tip (`cleaning`).
 //! 2. The method makes rails: polynomials of one parameter for the tip and the top of the tool
 //!    (`smooth`, `tube`, `paper`, `linear`; `blend` around corners, `rotation` where the tip rests).
 //! 3. Each span is proved against the legs that it replaces (`deviation`).
@@ -31,18 +32,23 @@
 
 mod banded_matrix;
 mod blend;
+mod cleaning;
 mod deviation;
 mod drive;
 pub mod history;
 mod job;
+mod leg;
 mod linear;
 mod motion;
 mod moves;
 mod paper;
+mod passage;
 mod path;
+mod poles;
 mod rail;
 mod report;
 mod rotation;
+mod roughness;
 pub mod schedule;
 mod smooth;
 mod stations;
@@ -59,16 +65,16 @@ use crate::toolpath::{PathError, Toolpath};
 use deviation::Deviation;
 pub use drive::MotionLimits;
 use drive::{Drive, DrivenSample};
-pub use job::{DEFAULT_PERIOD_S, DEFAULT_RETRACT_MM, DEFAULT_TOP_MM, Job, Method};
+pub use job::{AtPole, DEFAULT_PERIOD_S, DEFAULT_RETRACT_MM, DEFAULT_TOP_MM, Job, Method};
 pub use motion::Peaks;
-use motion::{ConstantFeed, peaks};
+use motion::{ConstantFeed, Sample, peaks};
 pub use moves::CHORDS;
 use moves::CHORDS_AT_CORNERS;
 use path::Path;
 use rail::{Rail, Source};
 pub use report::{AxisPeaks, Continuity, Report, Warning};
 use schedule::ScheduleError;
-use stations::{follow, pose};
+use stations::{pose, positions, resolved};
 
 /// The tool at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +88,9 @@ pub struct TimedPose {
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub report: Report,
+    /// All `period_s` apart; the last step may be shorter.
     pub samples: Vec<TimedPose>,
+    pub period_s: f64,
     /// Straight moves along the smooth path.
     pub toolpath: Toolpath,
     pub warnings: Vec<Warning>,
@@ -148,32 +156,49 @@ struct Rails {
 /// assert!((plan.samples.last().unwrap().pose.tip - pose(1.0).tip).norm() < 1e-9);
 /// ```
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
-    let path = Path::new(&job.path, job.top_mm)?;
+    match plan_past_poles(job, job.at_pole != AtPole::Around, budget) {
+        // Where the travel of an axis ends at the pole, the path goes around it.
+        Err(error @ (FiveAxisError::OnPole { .. } | FiveAxisError::NotFollowed { .. }))
+            if job.at_pole == AtPole::Quickest =>
+        {
+            plan_past_poles(job, false, budget).map_err(|_| error)
+        }
+        found => found,
+    }
+}
+
+/// The plan whose path goes through poles, or around them.
+fn plan_past_poles(job: &Job, may_cross: bool, budget: &Budget) -> Result<Plan, FiveAxisError> {
+    let path = path(job, may_cross)?;
     let rails = rails(job, &path, budget)?;
     let motion = ConstantFeed::new(&rails.rail);
     // No motion within limits is faster.
-    checked(job, motion.duration_s())?;
+    job.period_s(motion.duration_s())?;
     let machine = job.machine.as_ref();
     let drive = job.limits.as_ref().map(|limits| Drive::new(&rails.rail, machine, limits, budget));
     let drive = drive.transpose()?;
+    let period_s = job.period_s(drive.as_ref().map_or(motion.duration_s(), Drive::duration_s))?;
     let samples = match &drive {
-        Some(drive) => driven(job, drive, budget)?,
-        None => at_feed(job, &motion, budget)?,
+        Some(drive) => driven(drive, period_s, budget)?,
+        None => at_feed(job, &rails.rail, &motion, period_s, budget)?,
     };
     let moves = moves::moves(job, &path, &rails, drive.as_ref(), budget)?;
     let cycle_time_s = samples[samples.len() - 1].t_s;
     // The last step may be shorter.
     let even = &samples[..samples.len() - 1];
     let tips: Vec<Vector3<f64>> = even.iter().map(|sample| sample.pose.tip.coords).collect();
-    let [speed, acceleration, jerk] = peaks(&tips, job.period_s);
+    let [speed, acceleration, jerk] = peaks(&tips, period_s);
+    let deviation = rails.deviation.plus(path.moved);
     let report = Report {
         n_poses: path.stations.len(),
         n_spans: rails.rail.spans().count(),
         n_blends: rails.n_blends,
         n_stops: rails.rail.pieces.len() - 1,
-        deviation_max_mm: rails.deviation.tip_mm,
-        deviation_max_deg: rails.deviation.axis.to_degrees(),
-        within_tolerance: rails.deviation.of(job.tolerance()) <= 1.0,
+        n_through_poles: path.passed.through,
+        n_around_poles: path.passed.around,
+        deviation_max_mm: deviation.tip_mm,
+        deviation_max_deg: deviation.axis.to_degrees(),
+        within_tolerance: deviation.of(job.tolerance()) <= 1.0,
         toolpath_deviation_max_mm: moves.deviation.tip_mm,
         toolpath_deviation_max_deg: moves.deviation.axis.to_degrees(),
         cut_deviation_max_mm: (job.swing_mm > 0.0)
@@ -185,31 +210,58 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
         speed,
         acceleration,
         jerk,
-        axis_peaks: axis_peaks(job, even),
+        axis_peaks: axis_peaks(job, even, period_s),
     };
     let limits_unproved_at = drive.as_ref().and_then(Drive::gap);
     let warnings = report.warnings(limits_unproved_at);
-    Ok(Plan { warnings, report, samples, toolpath: moves.toolpath })
+    Ok(Plan { warnings, report, samples, period_s, toolpath: moves.toolpath })
+}
+
+/// The given path, cleaned and led past poles within parts of the tolerance. The method of the paper takes it
+/// as it is.
+fn path(job: &Job, may_cross: bool) -> Result<Path, FiveAxisError> {
+    if job.method == Method::Paper {
+        return Path::new(&job.path, job.top_mm, Deviation::NONE);
+    }
+    let tolerance = job.tolerance();
+    let mut path = Path::new(&job.path, job.top_mm, tolerance)?;
+    if let Some(machine) = &job.machine {
+        let poles: Vec<_> = machine.poles().collect();
+        path.moved.axis += poles::lead(&mut path, &poles, tolerance.axis, may_cross);
+        path.rooms = poles::rooms(&path, &poles);
+        if job.at_pole == AtPole::Refuse
+            && let Some(at) = path.passed.at
+        {
+            return Err(FiveAxisError::OnPole { at });
+        }
+    }
+    Ok(path)
 }
 
 /// The rails of all sections one after the other. A rapid is a line of its own.
 fn rails(job: &Job, path: &Path, budget: &Budget) -> Result<Rails, FiveAxisError> {
-    let tolerance = job.tolerance();
-    let room = |chords: f64| Deviation {
+    let tolerance = job.tolerance().without(path.moved);
+    let part = |chords: f64| Deviation {
         tip_mm: job.rounding_mm + chords * tolerance.tip_mm,
         axis: chords * tolerance.axis,
     };
+    let in_tube = part(CHORDS);
+    let at_corners = if job.method == Method::Tube { in_tube } else { part(CHORDS_AT_CORNERS) };
+    let room = smooth::Room { at_corners, in_tube };
     let mut all =
         Rails { rail: Rail::default(), deviation: Deviation::NONE, n_blends: 0, continuity: Continuity::C2 };
     for section in path.sections() {
         let stations = &path.stations[section.start..=section.end];
+        let stretch = smooth::Stretch {
+            stations,
+            on_pole: &path.on_pole[section.start..=section.end],
+            rooms: &path.rooms[section.clone()],
+        };
         let is_rapid = path.paces[section.start] == Pace::Rapid;
         let own = match job.method {
             _ if is_rapid => linear::rails(stations),
-            Method::Interpolating => {
-                smooth::smooth(stations, tolerance, room(CHORDS_AT_CORNERS), false, budget)?
-            }
-            Method::Tube => smooth::smooth(stations, tolerance, room(CHORDS), true, budget)?,
+            Method::Interpolating => smooth::smooth(&stretch, tolerance, room, false, budget)?,
+            Method::Tube => smooth::smooth(&stretch, tolerance, room, true, budget)?,
             Method::Paper => paper::rails(stations, tolerance, budget)?,
             Method::Linear => linear::rails(stations),
         };
@@ -237,38 +289,38 @@ fn rails(job: &Job, path: &Path, budget: &Budget) -> Result<Rails, FiveAxisError
     Ok(all)
 }
 
-fn checked(job: &Job, duration_s: f64) -> Result<(), FiveAxisError> {
-    if duration_s / job.period_s > job.sample_limit as f64 {
-        return Err(FiveAxisError::TooManySamples { duration_s, limit: job.sample_limit });
-    }
-    Ok(())
-}
-
 /// The motion within limits at times that are a period apart, and its end.
-fn driven(job: &Job, drive: &Drive, budget: &Budget) -> Result<Vec<TimedPose>, FiveAxisError> {
-    checked(job, drive.duration_s())?;
-    let timed = |DrivenSample { sample, joints }: DrivenSample| TimedPose {
-        t_s: sample.t_s,
-        pose: pose(&sample.at),
-        joints,
-    };
-    Ok(drive.samples(job.period_s, budget)?.into_iter().map(timed).collect())
+fn driven(drive: &Drive, period_s: f64, budget: &Budget) -> Result<Vec<TimedPose>, FiveAxisError> {
+    let timed = |DrivenSample { t_s, at, joints }: DrivenSample| TimedPose { t_s, pose: pose(&at), joints };
+    Ok(drive.samples(period_s, budget)?.into_iter().map(timed).collect())
 }
 
 /// The motion at the feed at times that are a period apart, and its end.
-fn at_feed(job: &Job, motion: &ConstantFeed, budget: &Budget) -> Result<Vec<TimedPose>, FiveAxisError> {
-    let samples = motion.samples(job.period_s, budget)?;
-    let poses: Vec<Pose> = samples.iter().map(|sample| pose(&sample.at)).collect();
-    let joints = job.machine.as_ref().map(|machine| follow(machine, &poses)).transpose()?;
-    let timed = |k: usize| TimedPose {
-        t_s: samples[k].t_s,
-        pose: poses[k],
-        joints: joints.as_ref().map(|joints| joints[k]),
+fn at_feed(
+    job: &Job,
+    rail: &Rail,
+    motion: &ConstantFeed,
+    period_s: f64,
+    budget: &Budget,
+) -> Result<Vec<TimedPose>, FiveAxisError> {
+    let samples = motion.samples(period_s, budget)?;
+    let followed = job.machine.as_ref().map(|machine| {
+        let stations = resolved(rail, machine, budget)?;
+        Ok::<_, FiveAxisError>((machine, stations))
+    });
+    let followed = followed.transpose()?;
+    let timed = |Sample { t_s, piece, u, at }: &Sample| TimedPose {
+        t_s: *t_s,
+        pose: pose(at),
+        joints: followed.as_ref().map(|(machine, stations)| {
+            let piece_of = &rail.pieces[*piece];
+            positions(machine, &stations[*piece], &piece_of.spans[piece_of.index_at(*u)], *u)
+        }),
     };
-    Ok((0..samples.len()).map(timed).collect())
+    Ok(samples.iter().map(timed).collect())
 }
 
-fn axis_peaks(job: &Job, even: &[TimedPose]) -> Vec<AxisPeaks> {
+fn axis_peaks(job: &Job, even: &[TimedPose], period_s: f64) -> Vec<AxisPeaks> {
     let Some(machine) = &job.machine else { return Vec::new() };
     let position =
         |joints: AxisPositions, k: usize| if k < 3 { joints.linear_mm[k] } else { joints.rotary[k - 3] };
@@ -276,7 +328,7 @@ fn axis_peaks(job: &Job, even: &[TimedPose]) -> Vec<AxisPeaks> {
         let unit = if k < 3 { 1.0 } else { 1.0_f64.to_degrees() };
         let along = even.iter().filter_map(|sample| sample.joints);
         let row: Vec<Vector3<f64>> = along.map(|joints| Vector3::x() * position(joints, k)).collect();
-        let [speed, acceleration, jerk] = peaks(&row, job.period_s).map(|peaks| peaks.max * unit);
+        let [speed, acceleration, jerk] = peaks(&row, period_s).map(|peaks| peaks.max * unit);
         AxisPeaks { axis, speed, acceleration, jerk }
     };
     machine.axis_names().into_iter().enumerate().map(of).collect()

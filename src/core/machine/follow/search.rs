@@ -215,7 +215,7 @@ fn reached(path: &Path, cost: Cost, state: &State, to: usize, branch: usize) -> 
             is_blocked = false;
             let rotary = if free == 0 { [target, angle] } else { [angle, target] };
             let changes = usize::from(state.branch) != branch && run.is_empty();
-            if changes && swings(path, to, state.rotary, rotary) {
+            if changes && (swings(path, to, state.rotary, rotary) || crosses(path, to)) {
                 continue;
             }
             let total = steps.cost.and_then(|so_far| cost.with(so_far, steps.last, rotary));
@@ -243,6 +243,18 @@ fn swings(path: &Path, to: usize, from_rotary: [f64; 2], to_rotary: [f64; 2]) ->
     let middle = path.machine.tool_axis([0, 1].map(|k| 0.5 * (from_rotary[k] + to_rotary[k])));
     let [from, to] = [to - 1, to].map(|k| path.poses[path.stations[k].index].axis.into_inner() - *middle);
     from.dot(&to) > SWING * SWING
+}
+
+/// Whether a change of branch on the way to the station `to` would be one at a pole, on a path that is known
+/// not to go through it. The branches meet at poles, where their free angles are half a turn apart, and at
+/// the end of reach, where they are equal.
+fn crosses(path: &Path, to: usize) -> bool {
+    let free = path.machine.free_axis();
+    let apart = [to - 1, to].map(|k| match path.stations[k].branches {
+        [Ok(first), Ok(second)] => (first[free] - second[free]).cos(),
+        _ => 1.0,
+    });
+    !path.may_cross && apart[0].min(apart[1]) < 0.0
 }
 
 /// The cost of a walk over poses at the pole.

@@ -4,6 +4,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::*;
+use crate::machine::series::Series;
 
 /// A curve of poses with its first three derivatives: sums of sines.
 fn curve(t: f64, amplitudes: &[[f64; 3]; 2], middle: Vector3<f64>) -> [Vector3<f64>; 4] {
@@ -32,7 +33,7 @@ proptest! {
         prop_assume!(apart > 0.8);
         let mut near = both[branch];
         near.rotary[0] += TAU * f64::from(turns);
-        let found = machine.derivatives(&tip, &axis, &near).unwrap();
+        let found = machine.derivatives(&tip, &axis, None, &near).unwrap();
         for k in 0..2 {
             prop_assert!((found[3 + k][0] - near.rotary[k]).abs() < 1e-12);
             prop_assert!((0..3).all(|k| (found[k][0] - near.linear_mm[k]).abs() < 1e-9));
@@ -41,7 +42,7 @@ proptest! {
         const STEP: f64 = 1e-4;
         let beside = [-2.0, -1.0, 1.0, 2.0].map(|k| {
             let (tip, axis) = at(t + k * STEP);
-            machine.derivatives(&tip, &axis, &near)
+            machine.derivatives(&tip, &axis, None, &near)
         });
         let [Some(a), Some(b), Some(c), Some(d)] = beside else {
             return Err(TestCaseError::reject("out of reach"));
@@ -70,7 +71,7 @@ proptest! {
         let Inverse::Two(both) = machine.inverse(&pose(tip[0].into(), axis[0].into())) else {
             return Err(TestCaseError::reject("out of reach"));
         };
-        let Some(found) = machine.derivatives(&tip, &axis, &both[branch]) else {
+        let Some(found) = machine.derivatives(&tip, &axis, None, &both[branch]) else {
             return Err(TestCaseError::reject("the two solutions coincide"));
         };
         // The forward kinematics of the five series must be the series of the tip and of the unit axis.
@@ -109,15 +110,58 @@ fn there_are_no_derivatives_at_the_pole_and_at_the_end_of_reach() {
     let still = |v: Vector3<f64>| [v, Vector3::x(), Vector3::y(), Vector3::z()];
     let near = AxisPositions { linear_mm: [0.0; 3], rotary: [0.0; 2] };
     for machine in named() {
-        assert_eq!(machine.derivatives(&still(Vector3::x()), &still(Vector3::z()), &near), None);
-        assert_eq!(machine.derivatives(&still(Vector3::x()), &still(Vector3::zeros()), &near), None);
+        assert_eq!(machine.derivatives(&still(Vector3::x()), &still(Vector3::z()), None, &near), None);
+        assert_eq!(machine.derivatives(&still(Vector3::x()), &still(Vector3::zeros()), None, &near), None);
         let too_long = still(Vector3::new(1e200, 0.0, 1e200));
-        assert_eq!(machine.derivatives(&still(Vector3::x()), &too_long, &near), None);
+        assert_eq!(machine.derivatives(&still(Vector3::x()), &too_long, None, &near), None);
         let nan = still(Vector3::repeat(f64::NAN));
-        assert_eq!(machine.derivatives(&nan, &still(Vector3::new(0.1, 0.2, 1.0)), &near), None);
+        assert_eq!(machine.derivatives(&nan, &still(Vector3::new(0.1, 0.2, 1.0)), None, &near), None);
     }
     let nutating = by_name("table_table_nutating_bc").unwrap();
     let horizontal = still(Vector3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0));
-    let found = nutating.derivatives(&still(Vector3::x()), &horizontal, &near);
+    let found = nutating.derivatives(&still(Vector3::x()), &horizontal, None, &near);
     assert!(found.is_none_or(|all| all.iter().flatten().all(|d| d.is_finite())));
+}
+
+/// On a path straight through the pole, the derivatives are those of the positions beside it.
+#[test]
+fn derivatives_on_the_pole_are_those_of_a_path_through_it() {
+    for machine in named() {
+        let at = |t: f64| {
+            let tip = Point3::new(3.0 + t, 2.0 - t * t, 1.0);
+            // The part across +Z is t times this.
+            let across = Vector3::new(0.8 + 0.1 * t, 0.3 - 0.2 * t, 0.0);
+            (tip, across * t + Vector3::z(), across)
+        };
+        if machine.poles().next().is_none_or(|pole| (pole.z - 1.0).abs() > 1e-12) {
+            continue;
+        }
+        let (tip, axis, across) = at(0.0);
+        let tips = [tip.coords, Vector3::x(), -2.0 * Vector3::y(), Vector3::zeros()];
+        let axes = [axis, across, 2.0 * Vector3::new(0.1, -0.2, 0.0), Vector3::zeros()];
+        let through = Through {
+            across: [across, Vector3::new(0.1, -0.2, 0.0), Vector3::zeros(), Vector3::zeros()],
+            way: 0.0,
+        };
+        let step = 1e-3;
+        let beside = |t: f64, near: [f64; 2]| {
+            let (tip, axis, _) = at(t);
+            machine.nearest(&Pose { tip, axis: Unit::new_normalize(axis) }, near)
+        };
+        let before = beside(-step, [0.0; 2]);
+        let found = machine.derivatives(&tips, &axes, Some(&through), &before).unwrap();
+        let near = [found[3][0], found[4][0]];
+        let of = |t: f64| {
+            let found = beside(t, near);
+            let [x, y, z] = found.linear_mm;
+            [x, y, z, found.rotary[0], found.rotary[1]]
+        };
+        let (low, high) = (of(-step), of(step));
+        for k in 0..5 {
+            let value = 0.5 * (low[k] + high[k]);
+            assert!((value - found[k][0]).abs() < 1e-4, "{}: axis {k}", machine.name());
+            let slope = (high[k] - low[k]) / (2.0 * step);
+            assert!((slope - found[k][1]).abs() < 1e-4, "{}: axis {k}: {slope} {found:?}", machine.name());
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! A quintic around a corner, from the rails before it to the rails after it.
 
 use super::deviation::{Deviation, of_line, of_span, part_of};
-use super::path::Leg;
+use super::leg::Leg;
 use super::rail::{Fitted, Span, tip};
 use crate::toolpath::tool_axes::angle_between;
 

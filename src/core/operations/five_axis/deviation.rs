@@ -19,7 +19,7 @@
 
 use nalgebra::Vector3;
 
-use super::path::Leg;
+use super::leg::Leg;
 use super::rail::{Point6, Span, tip, top};
 use crate::toolpath::tool_axes::angle_between;
 
@@ -194,12 +194,45 @@ pub fn of_line(span: &Span, leg: &Leg, part: [f64; 2]) -> f64 {
     const POINTS: usize = 64;
     let at = |k: usize| span.from + span.length() * (k as f64 / POINTS as f64);
     let points: Vec<Vector3<f64>> = (0..=POINTS).map(|k| tip(&span.jet(at(k))[0])).collect();
-    of_points(&points, leg, part)
+    // An eighth of the second derivative bounds the height of a chord, and a quintic's has 20 times the second
+    // differences.
+    let bend = span.control.windows(3).map(|p| (tip(&p[2]) - tip(&p[1]) * 2.0 + tip(&p[0])).norm());
+    of_chords(&points, leg, part) + 2.5 * bend.fold(0.0, f64::max) / (POINTS * POINTS) as f64
+}
+
+/// Bound of the distance of a part of a leg's line from a row of chords, mm. Where the chords pass the whole
+/// part, each of its places is the foot of a place of theirs.
+pub fn of_chords(points: &[Vector3<f64>], leg: &Leg, part: [f64; 2]) -> f64 {
+    const ROUNDING: f64 = 1e-12;
+    let [from, to] = part;
+    let feet: Vec<f64> = points.iter().map(|p| part_of(leg, p)).collect();
+    let Some(last) = feet.iter().position(|foot| *foot >= to - ROUNDING) else {
+        return of_points(points, leg, part);
+    };
+    let Some(first) = feet[..=last].iter().rposition(|foot| *foot <= from + ROUNDING) else {
+        return of_points(points, leg, part);
+    };
+    let clipped = |outer: usize, inner: usize, wanted: f64| {
+        let share = (wanted - feet[outer]) / (feet[inner] - feet[outer]);
+        if share.is_finite() {
+            points[outer].lerp(&points[inner], share.clamp(0.0, 1.0))
+        } else {
+            points[outer]
+        }
+    };
+    let off = |p: &Vector3<f64>| (p - tip(&leg.start).lerp(&tip(&leg.end), part_of(leg, p))).norm();
+    let ends = if first < last {
+        [clipped(first, first + 1, from), clipped(last, last - 1, to)]
+    } else {
+        [points[first]; 2]
+    };
+    let inner = points.get(first + 1..last).unwrap_or(&[]);
+    ends.iter().chain(inner).map(off).fold(0.0, f64::max)
 }
 
 /// Bound of the distance of a part of a leg's line from points, mm. Every stretch of the line is within the
 /// larger distance of its ends from one point.
-pub fn of_points(points: &[Vector3<f64>], leg: &Leg, [from, to]: [f64; 2]) -> f64 {
+fn of_points(points: &[Vector3<f64>], leg: &Leg, [from, to]: [f64; 2]) -> f64 {
     const STRETCHES: usize = 32;
     let at = |k: usize| from + (to - from) * (k as f64 / STRETCHES as f64);
     let stretch = |k: usize| {
@@ -247,6 +280,21 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_line_beside_chords_that_pass_it_is_as_far_away_as_they_are() {
+        let leg = Leg::new(pose(0.0, 0.0, 0.0, 0.0), pose(10.0, 0.0, 0.0, 0.0));
+        let row = |places: &[[f64; 2]]| -> Vec<Vector3<f64>> {
+            places.iter().map(|[x, y]| Vector3::new(*x, *y, 0.0)).collect()
+        };
+        let passes = row(&[[2.0, 0.0], [6.0, 0.001], [14.0, 0.009]]);
+        assert!((of_chords(&passes, &leg, [0.2, 1.0]) - 0.005).abs() < 1e-12);
+        // Back and forth, and then away before the end of the line.
+        let turns = row(&[[2.0, 0.0], [5.0, 0.0], [4.0, 3.0], [9.0, 0.0], [9.0, 5.0]]);
+        assert!(of_chords(&turns, &leg, [0.2, 0.9]) <= 3.0);
+        let ends = of_chords(&turns, &leg, [0.2, 1.0]);
+        assert!((1.0..=3.0).contains(&ends), "{ends}");
     }
 
     #[test]

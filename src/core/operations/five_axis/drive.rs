@@ -19,10 +19,10 @@ mod tests;
 use nalgebra::Point3;
 
 use super::FiveAxisError;
-use super::motion::Sample;
-use super::rail::{Jet, Piece, Rail, Span, tip, top};
+use super::passage::{Passage, passages};
+use super::rail::{Jet, Piece, Point6, Rail, tip, top};
 use super::schedule::{Derivatives, Limits, Schedule, ScheduleError, Station, TipLimits, schedule};
-use super::stations::{Stations, pose, resolved};
+use super::stations::{Station as Followed, pose, positions, resolved, unfollowed};
 use crate::budget::Budget;
 use crate::machine::{AxisPositions, Inverse, Machine};
 use proof::Proof;
@@ -68,7 +68,8 @@ pub struct Drive<'a> {
 
 /// A place on the rails, with the positions of the axes.
 pub struct DrivenSample {
-    pub sample: Sample,
+    pub t_s: f64,
+    pub at: Point6,
     pub joints: Option<AxisPositions>,
 }
 
@@ -81,13 +82,22 @@ impl<'a> Drive<'a> {
         limits: &MotionLimits,
         budget: &Budget,
     ) -> Result<Self, FiveAxisError> {
-        let Stations { places, joints } = resolved(rail, machine, budget)?;
-        let mut joints = joints.into_iter();
+        let some = |(u, joints): Followed| (u, Some(joints));
+        let stations: Vec<Vec<(f64, Option<AxisPositions>)>> = match machine {
+            Some(machine) => {
+                let followed = resolved(rail, machine, budget)?;
+                followed.into_iter().map(|own| own.into_iter().map(some).collect()).collect()
+            }
+            None => {
+                let places = unfollowed(rail).into_iter();
+                places.map(|own| own.into_iter().map(|u| (u, None)).collect()).collect()
+            }
+        };
         let limits = Axes::new(machine, limits);
         let mut drive = Self { pieces: Vec::new(), machine, duration_s: 0.0, gap: None };
-        for (piece, places) in rail.pieces.iter().zip(places) {
-            let stations = places.into_iter().zip(joints.by_ref()).collect();
-            let path = Path { piece, stations, machine, rests: piece.rests() };
+        for (piece, stations) in rail.pieces.iter().zip(stations) {
+            let passages = passages(&piece.spans, machine);
+            let path = Path { piece, passages, stations, machine, rests: piece.rests() };
             let Timed { path, schedule, gap } = path.scheduled(&limits, budget)?;
             drive.gap = drive.gap.or(gap);
             let begins_s = drive.duration_s;
@@ -152,16 +162,13 @@ impl Driven<'_> {
         let is_end = own >= self.schedule.duration_s();
         let ends = [self.stations[0].0, self.stations[self.stations.len() - 1].0];
         let u = if is_end { ends[1] } else { self.schedule.at(own).u.clamp(ends[0], ends[1]) };
-        let at = self.piece.spans[self.piece.index_at(u)].jet(u)[0];
+        let span = &self.piece.spans[self.piece.index_at(u)];
         let joints = machine.and_then(|machine| {
             let k = self.stations.partition_point(|(at, _)| *at <= u).clamp(1, self.stations.len() - 1);
             let [(u0, before), (u1, after)] = [self.stations[k - 1], self.stations[k]];
-            let (before, after) = (before?, after?);
-            let part = (u - u0) / (u1 - u0);
-            let rotary = [0, 1].map(|k| before.rotary[k] + (after.rotary[k] - before.rotary[k]) * part);
-            Some(machine.nearest(&pose(&at), rotary))
+            Some(positions(machine, &[(u0, before?), (u1, after?)], span, u))
         });
-        DrivenSample { sample: Sample { t_s, at }, joints }
+        DrivenSample { t_s, at: span.jet(u)[0], joints }
     }
 }
 
@@ -190,6 +197,8 @@ impl Axes {
 /// One piece with its stations.
 struct Path<'a> {
     piece: &'a Piece,
+    /// How each span passes a pole.
+    passages: Vec<Option<Passage>>,
     /// The parameters of the stations, and the positions of the axes there.
     stations: Vec<(f64, Option<AxisPositions>)>,
     machine: Option<&'a Machine>,
@@ -262,7 +271,13 @@ impl<'a> Path<'a> {
                 stations.push((at, joints.map(|(machine, near)| machine.nearest(&pose, near.rotary))));
             }
         }
-        Self { piece: self.piece, stations, machine: self.machine, rests: self.rests }
+        Self {
+            piece: self.piece,
+            passages: self.passages.clone(),
+            stations,
+            machine: self.machine,
+            rests: self.rests,
+        }
     }
 
     /// The derivatives at a station, by the spans before and after it. On the pole they are those beside it:
@@ -275,17 +290,18 @@ impl<'a> Path<'a> {
         joints: Option<AxisPositions>,
         axes: &Axes,
     ) -> Result<Station, FiveAxisError> {
-        let rows = |span: &Span| {
-            self.derivatives(&span.jet(u), joints, axes).or_else(|error| match error {
+        let rows = |k: usize| {
+            let span = &self.piece.spans[k];
+            self.derivatives(k, u, joints, axes).or_else(|error| match error {
                 FiveAxisError::OnPole { .. } => {
                     let beside = BESIDE * span.length();
                     let inside = if u + beside < span.to { u + beside } else { u - beside };
-                    self.derivatives(&span.jet(inside), joints, axes)
+                    self.derivatives(k, inside, joints, axes)
                 }
                 error => Err(error),
             })
         };
-        let [before, after] = [rows(&self.piece.spans[around[0]])?, rows(&self.piece.spans[around[1]])?];
+        let [before, after] = [rows(around[0])?, rows(around[1])?];
         let coordinates = before.iter().zip(&after).map(|(before, after)| Derivatives {
             first: before[0],
             second: before[1],
@@ -301,13 +317,15 @@ impl<'a> Path<'a> {
         self.piece.feeds[span] / if self.rests { top(&jet[1]).norm() } else { tip(&jet[1]).norm() }
     }
 
-    /// The first three derivatives of each coordinate.
+    /// The first three derivatives of each coordinate at a parameter of a span.
     fn derivatives(
         &self,
-        jet: &Jet,
+        span: usize,
+        u: f64,
         joints: Option<AxisPositions>,
         axes: &Axes,
     ) -> Result<Vec<[f64; 3]>, FiveAxisError> {
+        let jet = self.piece.spans[span].jet(u);
         let tips = jet.map(|p| tip(&p));
         let tip_row = |k: usize| [tips[1][k], tips[2][k], tips[3][k]];
         let (Some(machine), Some(joints)) = (self.machine, joints) else {
@@ -326,7 +344,8 @@ impl<'a> Path<'a> {
             rows.extend([[0.0; 3]; 2]);
             return Ok(rows);
         }
-        let found = machine.derivatives(&tips, &tops, &joints);
+        let through = self.passages[span].as_ref().map(|passage| passage.jet(u));
+        let found = machine.derivatives(&tips, &tops, through.as_ref(), &joints);
         let all = found.ok_or(FiveAxisError::OnPole { at: Point3::from(tips[0]) })?;
         rows.extend(all.map(|[_, first, second, third]| [first, second, third]));
         Ok(rows)

@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 
+use super::deviation::Deviation;
 use super::motion::{ConstantFeed, differences};
 use super::path::Path;
-use super::{FiveAxisError, Job, Method, TimedPose, at_feed, checked, rails};
+use super::{FiveAxisError, Job, Method, Plan, TimedPose, at_feed, rails};
 use crate::budget::Budget;
 use crate::toolpath::pose::Pose;
 
@@ -21,22 +22,18 @@ pub struct History {
     pub angles: [(String, Course); 2],
 }
 
-/// The motion along the given path at the feed, without limits and without ramps, and the motion of
-/// `samples`, which are a period apart but for the last one. Both start with the same positions of the axes.
+/// The motion along the given path at the feed, without limits and without ramps, and the motion of a plan.
+/// Both start with the same positions of the axes.
 ///
 /// # Errors
 /// When the budget ends, and where the given path has no motion.
-pub fn before_and_after(
-    job: &Job,
-    samples: &[TimedPose],
-    budget: &Budget,
-) -> Result<[History; 2], FiveAxisError> {
+pub fn before_and_after(job: &Job, plan: &Plan, budget: &Budget) -> Result<[History; 2], FiveAxisError> {
     let given = Job { method: Method::Linear, limits: None, machine: None, ..job.clone() };
-    let rails = rails(&given, &Path::new(&given.path, given.top_mm)?, budget)?;
+    let rails = rails(&given, &Path::new(&given.path, given.top_mm, Deviation::NONE)?, budget)?;
     let motion = ConstantFeed::new(&rails.rail);
-    checked(&given, motion.duration_s())?;
-    let mut before = at_feed(&given, &motion, budget)?;
-    let start = samples.first().and_then(|sample| sample.joints);
+    let period_s = given.period_s(motion.duration_s())?;
+    let mut before = at_feed(&given, &rails.rail, &motion, period_s, budget)?;
+    let start = plan.samples.first().and_then(|sample| sample.joints);
     if let Some((machine, start)) = job.machine.as_ref().zip(start) {
         let poses: Vec<Pose> = before.iter().map(|sample| sample.pose).collect();
         // Where the machine cannot follow, there are no angles.
@@ -45,17 +42,17 @@ pub fn before_and_after(
             sample.joints = Some(joints);
         }
     }
-    Ok([&before, samples].map(|samples| History::of(job, samples)))
+    Ok([History::of(job, &before, period_s), History::of(job, &plan.samples, plan.period_s)])
 }
 
 impl History {
-    fn of(job: &Job, samples: &[TimedPose]) -> Self {
+    fn of(job: &Job, samples: &[TimedPose], period_s: f64) -> Self {
         let even = &samples[..samples.len().saturating_sub(1)];
         let mut rows: Vec<Vector3<f64>> = even.iter().map(|sample| sample.pose.tip.coords).collect();
         let tip = [1, 2, 3].map(|order| {
-            rows = differences(&rows, job.period_s);
+            rows = differences(&rows, period_s);
             // A difference belongs to the middle of the samples that it is made of.
-            let at = |k: usize| (k as f64 + 0.5 * f64::from(order)) * job.period_s;
+            let at = |k: usize| (k as f64 + 0.5 * f64::from(order)) * period_s;
             rows.iter().enumerate().map(|(k, row)| [at(k), row.norm()]).collect()
         });
         let angles = [0, 1].map(|k| {

@@ -1,5 +1,6 @@
 //! The smoothing job: path, tolerances, method, and the machine with its limits.
 
+use super::FiveAxisError;
 use super::deviation::Deviation;
 use super::drive::MotionLimits;
 use crate::machine::Machine;
@@ -18,6 +19,9 @@ pub const DEFAULT_PERIOD_S: f64 = 1e-3;
 /// The most samples and the most moves of a job whose caller sets no limits.
 const DEFAULT_SAMPLE_LIMIT: usize = 1_000_000;
 const DEFAULT_MOVE_LIMIT: usize = 500_000;
+
+/// Samples that nobody asks for, at most. More would not change the figures that are made of them.
+const ENOUGH_SAMPLES: usize = 100_000;
 
 /// The part of the tolerance of the cut that turns of the axis may use.
 const SHARE_OF_AXIS: f64 = 0.25;
@@ -39,6 +43,21 @@ pub enum Method {
     Linear,
 }
 
+/// What a path does where its axis comes within the tolerance of a pole of the machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+pub enum AtPole {
+    /// Goes through the pole, and around it where the machine cannot go through.
+    #[default]
+    Quickest,
+    /// Goes through the pole: the axis leans onto it, and no rotary axis turns far.
+    Through,
+    /// Goes around the pole, by up to half a turn of a rotary axis.
+    Around,
+    /// Is refused.
+    Refuse,
+}
+
 #[derive(Debug, Clone)]
 pub struct Job {
     pub path: Vec<Waypoint>,
@@ -55,11 +74,16 @@ pub struct Job {
     pub method: Method,
     /// The machine whose axes are to move; none for the tool alone.
     pub machine: Option<Machine>,
+    /// What the path does at poles of the machine.
+    pub at_pole: AtPole,
     /// The limits of the axes. Without limits the feed is constant, and nothing accelerates.
     pub limits: Option<MotionLimits>,
     pub period_s: f64,
     /// The most samples.
     pub sample_limit: usize,
+    /// Whether the samples themselves are asked for. Otherwise, they are only what figures and pictures are
+    /// made of, and are farther apart where there would be too many.
+    pub wants_samples: bool,
     /// The most moves.
     pub move_limit: usize,
     /// The way along the tool axis to the first pose, and away from the last pose, mm. There is none where
@@ -83,13 +107,30 @@ impl Job {
             top_mm: DEFAULT_TOP_MM,
             method: Method::default(),
             machine: None,
+            at_pole: AtPole::default(),
             limits: None,
             period_s: DEFAULT_PERIOD_S,
             sample_limit: DEFAULT_SAMPLE_LIMIT,
+            wants_samples: true,
             move_limit: DEFAULT_MOVE_LIMIT,
             retract_mm: DEFAULT_RETRACT_MM,
             rounding_mm: 0.0,
         }
+    }
+
+    /// The time between two samples of a motion.
+    ///
+    /// # Errors
+    /// If the samples are asked for and there are too many.
+    pub(super) fn period_s(&self, duration_s: f64) -> Result<f64, FiveAxisError> {
+        let limit = self.sample_limit;
+        if !self.wants_samples {
+            return Ok(self.period_s.max(duration_s / limit.min(ENOUGH_SAMPLES) as f64));
+        }
+        if duration_s / self.period_s > limit as f64 {
+            return Err(FiveAxisError::TooManySamples { duration_s, limit });
+        }
+        Ok(self.period_s)
     }
 
     /// The tolerances of tip and axis. What a turn moves the cut is taken from the tolerance of the tip.

@@ -1,8 +1,8 @@
 //! The legs as they are: the motion stops between them.
 
 use super::deviation::{Deviation, of_span};
-use super::path::Leg;
-use super::rail::{Fitted, Piece, Point6, Rail, Source, Span};
+use super::leg::Leg;
+use super::rail::{Fitted, Piece, Point6, Rail, Source};
 use super::{Continuity, Rails, rotation};
 
 /// Between two points of a leg the axis turns by at most this angle, radians. The mean of two axes is then
@@ -14,7 +14,9 @@ pub fn rails(stations: &[Point6]) -> Rails {
     let mut deviation = Deviation::NONE;
     for (k, pair) in stations.windows(2).enumerate() {
         let leg = Leg::new(pair[0], pair[1]);
-        let spans = if leg.is_rotation() { rotation::spans(&leg) } else { spans(&leg) };
+        let count = (leg.angle / LARGEST_TURN).ceil().max(1.0) as usize;
+        let spans =
+            if leg.is_rotation() { rotation::spans(&leg) } else { rotation::even(&leg, leg.length, count) };
         for span in &spans {
             let part = Leg::new(span.start(), span.end());
             deviation = deviation.max(of_span(span, &[part], Deviation::NONE));
@@ -24,11 +26,4 @@ pub fn rails(stations: &[Point6]) -> Rails {
     }
     rail.number();
     Rails { rail, deviation, n_blends: 0, continuity: Continuity::C0 }
-}
-
-fn spans(leg: &Leg) -> Vec<Span> {
-    let count = (leg.angle / LARGEST_TURN).ceil().max(1.0) as usize;
-    let at = |k: usize| if k == count { leg.end } else { leg.at(k as f64 / count as f64) };
-    let length = leg.length / count as f64;
-    (0..count).map(|k| Span::line(k as f64 * length, (k + 1) as f64 * length, at(k), at(k + 1))).collect()
 }

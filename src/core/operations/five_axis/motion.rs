@@ -34,6 +34,9 @@ const BETWEEN_CHECKS: usize = 1024;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     pub t_s: f64,
+    /// The piece, and the parameter in it.
+    pub piece: usize,
+    pub u: f64,
     pub at: Point6,
 }
 
@@ -46,6 +49,7 @@ pub struct ConstantFeed<'a> {
 
 /// A span with its feed; whether the tip rests.
 struct Paced<'a> {
+    piece: usize,
     span: &'a Span,
     feed_mm_per_s: f64,
     rests: bool,
@@ -53,12 +57,13 @@ struct Paced<'a> {
 
 impl<'a> ConstantFeed<'a> {
     pub fn new(rail: &'a Rail) -> Self {
-        let paced = |piece: &'a Piece| {
+        let paced = |(k, piece): (usize, &'a Piece)| {
             let rests = piece.rests();
             let feeds = piece.feeds.iter();
-            piece.spans.iter().zip(feeds).map(move |(span, feed)| Paced { span, feed_mm_per_s: *feed, rests })
+            let spans = piece.spans.iter().zip(feeds);
+            spans.map(move |(span, feed)| Paced { piece: k, span, feed_mm_per_s: *feed, rests })
         };
-        let spans: Vec<Paced> = rail.pieces.iter().flat_map(paced).collect();
+        let spans: Vec<Paced> = rail.pieces.iter().enumerate().flat_map(paced).collect();
         let mut time = 0.0;
         let ends = spans.iter().map(|paced| {
             time += way(paced.span, paced.rests, paced.span.to) / paced.feed_mm_per_s;
@@ -96,12 +101,12 @@ impl<'a> ConstantFeed<'a> {
                 k += 1;
             }
             let begins = if k == 0 { 0.0 } else { self.ends[k - 1] };
-            let &Paced { span, feed_mm_per_s, rests } = &self.spans[k];
+            let &Paced { piece, span, feed_mm_per_s, rests } = &self.spans[k];
             let u = parameter(span, rests, (t_s - begins) * feed_mm_per_s);
-            samples.push(Sample { t_s, at: span.jet(u)[0] });
+            samples.push(Sample { t_s, piece, u, at: span.jet(u)[0] });
         }
-        if let Some(Paced { span, .. }) = self.spans.last() {
-            samples.push(Sample { t_s: duration, at: span.end() });
+        if let Some(&Paced { piece, span, .. }) = self.spans.last() {
+            samples.push(Sample { t_s: duration, piece, u: span.to, at: span.end() });
         }
         Ok(samples)
     }

@@ -16,9 +16,10 @@
 
 use nalgebra::Vector3;
 
-use super::deviation::{Deviation, mean_of_axes, of_points, of_span};
+use super::deviation::{Deviation, mean_of_axes, of_chords, of_span};
 use super::drive::Drive;
-use super::path::{Leg, Path};
+use super::leg::Leg;
+use super::path::Path;
 use super::rail::{Piece, Point6, Source, Span, join, tip, top};
 use super::stations::pose;
 use super::{FiveAxisError, Job, Rails};
@@ -92,7 +93,8 @@ pub fn moves(
     if !last.is_rapid {
         moving.builder.line(away(&end), rate(last.feeds[last.feeds.len() - 1]), Role::LeadOut)?;
     }
-    Ok(Moves { toolpath: moving.builder.finish()?, deviation: moving.deviation })
+    let deviation = moving.deviation.plus(path.moved);
+    Ok(Moves { toolpath: moving.builder.finish()?, deviation })
 }
 
 struct Moving<'a> {
@@ -135,6 +137,10 @@ impl Moving<'_> {
                 let to = pose(&places[i + 1]);
                 let ends = [at(i), at(i + 1)];
                 if rests {
+                    if matches!(piece.sources[n], Source::Run(_)) {
+                        let axis = self.rails.deviation.axis + self.allowed.axis;
+                        self.deviation.axis = self.deviation.axis.max(axis);
+                    }
                     let seconds = match self.drive {
                         Some(drive) => drive.seconds(k, ends),
                         None => (top(&places[i + 1]) - top(&places[i])).norm() / piece.feeds[n],
@@ -185,15 +191,10 @@ impl Moving<'_> {
 
 /// The distance of the corner of two legs from the chords around it, and of the lines that lead to it, mm.
 fn corner(chords: &[Vector3<f64>], legs: &[Leg]) -> f64 {
-    const PARTS: usize = 8;
-    let points: Vec<Vector3<f64>> = chords
-        .windows(2)
-        .flat_map(|pair| (0..=PARTS).map(|k| pair[0].lerp(&pair[1], k as f64 / PARTS as f64)))
-        .collect();
     let part = |leg: &Leg, p: &Vector3<f64>| super::deviation::part_of(leg, p).clamp(0.0, 1.0);
     let (leaves, meets) = (&chords[0], &chords[chords.len() - 1]);
-    of_points(&points, &legs[0], [part(&legs[0], leaves), 1.0]).max(of_points(
-        &points,
+    of_chords(chords, &legs[0], [part(&legs[0], leaves), 1.0]).max(of_chords(
+        chords,
         &legs[1],
         [0.0, part(&legs[1], meets)],
     ))

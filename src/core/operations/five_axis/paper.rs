@@ -30,7 +30,7 @@
 use nalgebra::Vector3;
 
 use super::deviation::{Deviation, of_span};
-use super::path::Leg;
+use super::leg::Leg;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, join, tip, top};
 use super::{Continuity, Rails};
 use crate::budget::{Budget, Stopped};

@@ -1,59 +1,24 @@
 //! The path that is smoothed: poses without duplicates, and the legs between them.
 
-use nalgebra::Vector3;
+use nalgebra::Point3;
 
 use super::FiveAxisError;
-use super::rail::{Point6, join, tip, top};
+use super::cleaning::{Cleaned, clean};
+use super::deviation::Deviation;
+use super::leg::{Leg, SAME_AXIS, SAME_TIP_MM};
+use super::rail::{Point6, join, top};
 use crate::toolpath::pose::{Pace, Waypoint};
 use crate::toolpath::tool_axes::{OPPOSITE, angle_between};
 
-/// Two tips that are nearer to each other are the same, mm: far below what a program can say.
-const SAME_TIP_MM: f64 = 1e-7;
+/// The part of each tolerance within which poses count as one.
+const SAME_SHARE: f64 = 0.05;
 
-/// Two axes at a smaller angle are the same, radians: at 100 mm from the tip this is a tenth of a nanometre.
-const SAME_AXIS: f64 = 1e-9;
-
-/// The straight motion from one pose to the next: the tip on a line, the axis on a great circle in step
-/// with the tip.
-#[derive(Debug, Clone, Copy)]
-pub struct Leg {
-    pub start: Point6,
-    pub end: Point6,
-    /// The length of the tip's line, mm, and the angle of the axes, radians.
-    pub length: f64,
-    pub angle: f64,
-}
-
-impl Leg {
-    pub fn new(start: Point6, end: Point6) -> Self {
-        let length = (tip(&end) - tip(&start)).norm();
-        Self { start, end, length, angle: angle_between(&top(&start), &top(&end)) }
-    }
-
-    /// Whether the tip rests while the axis turns.
-    pub fn is_rotation(&self) -> bool {
-        self.length <= SAME_TIP_MM
-    }
-
-    pub fn direction(&self) -> Vector3<f64> {
-        (tip(&self.end) - tip(&self.start)) / self.length
-    }
-
-    /// The place at a part of the leg, from 0 to 1.
-    pub fn at(&self, part: f64) -> Point6 {
-        let tip = tip(&self.start).lerp(&tip(&self.end), part);
-        join(tip, self.top_at(part))
-    }
-
-    /// The vector to the top at a part of the leg, on the great circle.
-    pub fn top_at(&self, part: f64) -> Vector3<f64> {
-        let (a, b) = (top(&self.start), top(&self.end));
-        if self.angle <= SAME_AXIS {
-            return a.lerp(&b, part);
-        }
-        let sine = self.angle.sin();
-        a * (((1.0 - part) * self.angle).sin() / sine) + b * ((part * self.angle).sin() / sine)
-    }
+/// How often a path is led through poles and around them, and where first.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Passed {
+    pub through: usize,
+    pub around: usize,
+    pub at: Option<Point3<f64>>,
 }
 
 /// Different poses, with the pace of each leg between them.
@@ -61,31 +26,51 @@ impl Leg {
 pub struct Path {
     pub stations: Vec<Point6>,
     pub paces: Vec<Pace>,
+    /// Whether the path is led through a pole at a station: the rails have to hit it.
+    pub on_pole: Vec<bool>,
+    /// How far the axis of the rails may be from each leg because of a pole beside it, radians.
+    pub rooms: Vec<f64>,
+    /// The poles that the path passes.
+    pub passed: Passed,
+    /// How far the path is from the given one, at most.
+    pub moved: Deviation,
 }
 
 impl Path {
-    /// The path whose tops are `top_mm` away from the tips. Poses that repeat the one before are left out.
+    /// The path whose tops are `top_mm` away from the tips, cleaned within a small part of the tolerance.
     ///
     /// # Errors
     /// With fewer than two different poses, and where two neighbouring axes are opposite.
-    pub fn new(waypoints: &[Waypoint], top_mm: f64) -> Result<Self, FiveAxisError> {
-        let mut stations: Vec<Point6> = Vec::with_capacity(waypoints.len());
-        let mut paces = Vec::with_capacity(waypoints.len());
-        for (index, Waypoint { pose, pace }) in waypoints.iter().enumerate() {
-            let at = join(pose.tip.coords, pose.axis.into_inner() * top_mm);
-            if let Some(last) = stations.last() {
-                let leg = Leg::new(*last, at);
-                if leg.length <= SAME_TIP_MM && leg.angle <= SAME_AXIS {
-                    continue;
-                }
-                if leg.angle >= OPPOSITE {
-                    return Err(FiveAxisError::OppositeAxes { index });
-                }
-                paces.push(*pace);
+    pub fn new(waypoints: &[Waypoint], top_mm: f64, tolerance: Deviation) -> Result<Self, FiveAxisError> {
+        let poses: Vec<Point6> = waypoints
+            .iter()
+            .map(|Waypoint { pose, .. }| join(pose.tip.coords, pose.axis.into_inner() * top_mm))
+            .collect();
+        let allowed = Deviation {
+            tip_mm: (SAME_SHARE * tolerance.tip_mm).max(SAME_TIP_MM),
+            axis: (SAME_SHARE * tolerance.axis).max(SAME_AXIS),
+        };
+        let Cleaned { kept, moved } = clean(&poses, allowed);
+        for pair in kept.windows(2) {
+            let [(_, from), (index, to)] = [pair[0], pair[1]];
+            if angle_between(&top(&from), &top(&to)) >= OPPOSITE {
+                return Err(FiveAxisError::OppositeAxes { index });
             }
-            stations.push(at);
         }
-        if stations.len() < 2 { Err(FiveAxisError::NoMotion) } else { Ok(Self { stations, paces }) }
+        if kept.len() < 2 {
+            return Err(FiveAxisError::NoMotion);
+        }
+        let paces: Vec<Pace> = kept[1..].iter().map(|(index, _)| waypoints[*index].pace).collect();
+        let stations: Vec<Point6> = kept.into_iter().map(|(_, at)| at).collect();
+        let rooms = vec![f64::INFINITY; paces.len()];
+        Ok(Self {
+            on_pole: vec![false; stations.len()],
+            rooms,
+            passed: Passed::default(),
+            stations,
+            paces,
+            moved,
+        })
     }
 
     pub fn leg(&self, k: usize) -> Leg {

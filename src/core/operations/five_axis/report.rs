@@ -32,6 +32,11 @@ pub struct Report {
     /// Number of places inside the path where the motion stops: reversals, rotations about a resting tip, and
     /// corners at which no blend keeps the tolerances.
     pub n_stops: usize,
+    /// Number of times that the path is led through a pole of the machine, where a rotary axis has no angle of
+    /// its own: the tool axis leans onto the pole, within the tolerance.
+    pub n_through_poles: usize,
+    /// Number of times that the path is led around a pole of the machine, at a distance from it.
+    pub n_around_poles: usize,
     /// Proved bound of the distance between the smooth path of the tip and the given path, in mm. For
     /// `method: paper` from the smooth path to the given path only.
     pub deviation_max_mm: f64,

@@ -4,6 +4,8 @@
 //! 1. A station is a corner if the path turns so far there that a smooth curve through it would leave the
 //!    tolerance (`severity`). Between corners, a cubic spline runs through all stations, with shared
 //!    parameters that grow by the length of each leg.
+//!    If its third derivative jumps to and fro from span to span (`roughness`), the poses have noise or
+//!    rounding, and the spline of least jerk within the tolerance takes its place (`tube`).
 //! 2. Each span is proved (`deviation`). A span that leaves the tolerance gets a point more: beside a much
 //!    longer leg on this leg, at distances that grow by a factor; otherwise in the middle, nearer to the
 //!    leg. If that is not enough, the worse one of its ends becomes a corner, and the spline is made anew.
@@ -18,10 +20,10 @@
 
 use super::blend::{Blend, begin_at, blend, end_at};
 use super::deviation::{Deviation, of_span};
-use super::path::Leg;
+use super::leg::Leg;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, tip, top};
-use super::{Continuity, FiveAxisError, Rails, rotation, tube};
-use crate::budget::{Budget, Stopped};
+use super::{Continuity, FiveAxisError, Rails, rotation, roughness, tube};
+use crate::budget::Budget;
 use crate::geometry::spline::{EndCondition, derivatives_over};
 use crate::toolpath::tool_axes::angle_between;
 
@@ -66,16 +68,33 @@ struct Inner {
     at: Point6,
 }
 
+/// A stretch of a path without rapids.
+#[derive(Clone, Copy)]
+pub struct Stretch<'a> {
+    pub stations: &'a [Point6],
+    /// Whether the rails have to hit a station: it is on a pole.
+    pub on_pole: &'a [bool],
+    /// How far the axis may be from each leg because of a pole beside it, radians.
+    pub rooms: &'a [f64],
+}
+
+/// What chords and rounding of a program need of the tolerance: at blends, and along splines inside the tube.
+#[derive(Clone, Copy)]
+pub struct Room {
+    pub at_corners: Deviation,
+    pub in_tube: Deviation,
+}
+
 struct Smoother<'a> {
-    stations: &'a [Point6],
+    stretch: Stretch<'a>,
     legs: Vec<Leg>,
     is_corner: Vec<bool>,
     inner: Vec<Vec<Inner>>,
     repairs: Vec<u8>,
     tolerance: Deviation,
     /// What programs need of the tolerance.
-    room: Deviation,
-    /// Whether runs get the spline of least jerk inside the tolerance.
+    room: Room,
+    /// Whether all runs get the spline of least jerk inside the tolerance. Otherwise those with noise do.
     in_tube: bool,
 }
 
@@ -86,39 +105,41 @@ struct RunSpans {
     deviation: Deviation,
 }
 
-/// Rails within the tolerance. Blends at corners, and splines inside the tube, leave `room` of it for chords
-/// and rounding of a program.
+/// Rails within the tolerance. Blends at corners, and splines inside the tube, leave `room` of it.
 pub fn smooth(
-    stations: &[Point6],
+    stretch: &Stretch,
     tolerance: Deviation,
-    room: Deviation,
+    room: Room,
     in_tube: bool,
     budget: &Budget,
 ) -> Result<Rails, FiveAxisError> {
-    let mut smoother = Smoother::new(stations, tolerance);
+    let mut smoother = Smoother::new(*stretch, tolerance);
     smoother.room = room;
     smoother.in_tube = in_tube;
     let runs = smoother.runs(budget)?;
-    Ok(smoother.join(runs, budget)?)
+    smoother.join(runs, budget)
 }
 
 impl<'a> Smoother<'a> {
-    fn new(stations: &'a [Point6], tolerance: Deviation) -> Self {
+    fn new(stretch: Stretch<'a>, tolerance: Deviation) -> Self {
+        let Stretch { stations, .. } = stretch;
         let legs: Vec<Leg> = stations.windows(2).map(|pair| Leg::new(pair[0], pair[1])).collect();
         let inner = legs.iter().map(|leg| turned(leg, LARGEST_TURN)).collect();
         let mut smoother = Self {
-            stations,
+            stretch,
             is_corner: vec![false; stations.len()],
             repairs: vec![0; legs.len()],
             inner,
             legs,
             tolerance,
-            room: Deviation::NONE,
+            room: Room { at_corners: Deviation::NONE, in_tube: Deviation::NONE },
             in_tube: false,
         };
         for k in 0..stations.len() {
             let is_end = k == 0 || k == stations.len() - 1;
-            smoother.is_corner[k] = is_end || smoother.severity(k) > CERTAIN;
+            if is_end || smoother.severity(k) > CERTAIN {
+                smoother.make_corner(k);
+            }
         }
         smoother
     }
@@ -131,10 +152,27 @@ impl<'a> Smoother<'a> {
             return f64::INFINITY;
         }
         let shorter = before.length.min(after.length);
+        let within = self.within(k - 1..k + 1);
         let slope = |leg: &Leg| (top(&leg.end) - top(&leg.start)) / leg.length;
         let swing = (slope(after) - slope(before)).norm() / top(&before.end).norm();
-        (self.turn(k) * shorter / (8.0 * self.tolerance.tip_mm))
-            .max(swing * shorter / (8.0 * self.tolerance.axis))
+        (self.turn(k) * shorter / (8.0 * within.tip_mm)).max(swing * shorter / (8.0 * within.axis))
+    }
+
+    /// The motion may stop at a station. On a pole, the legs beside it then stay lines, so that the free angle
+    /// is the same before and after the stop.
+    fn make_corner(&mut self, k: usize) {
+        self.is_corner[k] = true;
+        if self.stretch.on_pole[k] {
+            let last = self.is_corner.len() - 1;
+            self.is_corner[k.saturating_sub(1)] = true;
+            self.is_corner[(k + 1).min(last)] = true;
+        }
+    }
+
+    /// The tolerance of the rails along legs.
+    fn within(&self, legs: std::ops::Range<usize>) -> Deviation {
+        let rooms = self.stretch.rooms[legs].iter();
+        Deviation { axis: rooms.copied().fold(self.tolerance.axis, f64::min), ..self.tolerance }
     }
 
     fn turn(&self, k: usize) -> f64 {
@@ -144,7 +182,7 @@ impl<'a> Smoother<'a> {
     /// The runs between corners, each within the tolerance.
     fn runs(&mut self, budget: &Budget) -> Result<Vec<RunSpans>, FiveAxisError> {
         let mut done = Vec::new();
-        let mut open: Vec<[usize; 2]> = self.between_corners(0, self.stations.len() - 1);
+        let mut open: Vec<[usize; 2]> = self.between_corners(0, self.stretch.stations.len() - 1);
         for round in 0.. {
             let mut again = Vec::new();
             for [first, last] in open {
@@ -153,15 +191,23 @@ impl<'a> Smoother<'a> {
                     done.push(RunSpans { first, spans: Vec::new(), deviation: Deviation::NONE });
                     continue;
                 }
-                if self.in_tube && last > first + 1 {
-                    let within = self.tolerance.without(self.room);
-                    if let Some(found) = tube::fit(&self.legs, [first, last], within, budget)? {
-                        done.push(RunSpans { first, spans: found.spans, deviation: found.deviation });
+                let spans = self.fit(first, last);
+                let is_alone = last == first + 1;
+                let hits_pole = self.stretch.on_pole[first + 1..last].contains(&true);
+                // Points that a repair has added jump to and fro by themselves.
+                let is_as_given = self.repairs[first..last].iter().all(|repairs| *repairs == 0);
+                let is_rough = || is_as_given && roughness::is_rough(&spans);
+                if !is_alone && !hits_pole && (self.in_tube || is_rough()) {
+                    let within = self.within(first..last).without(self.room.in_tube);
+                    let found = tube::fit(&self.legs, [first, last], within, budget)?;
+                    let is_smoother = |tube: &tube::Tube| {
+                        roughness::jerk(&spans) > roughness::NOISE * roughness::jerk(&tube.spans)
+                    };
+                    if let Some(tube) = found.filter(|tube| self.in_tube || is_smoother(tube)) {
+                        done.push(RunSpans { first, spans: tube.spans, deviation: tube.deviation });
                         continue;
                     }
                 }
-                let spans = self.fit(first, last);
-                let is_alone = last == first + 1;
                 let (deviation, failed) = self.proved(&spans, is_alone);
                 if failed.is_empty() {
                     done.push(RunSpans { first, spans, deviation });
@@ -169,7 +215,7 @@ impl<'a> Smoother<'a> {
                 }
                 for (leg, deviation, span) in failed {
                     if is_alone && self.repairs[leg] > MOST_REPAIRS {
-                        let at = tip(&self.stations[first]).into();
+                        let at = tip(&self.stretch.stations[first]).into();
                         return Err(FiveAxisError::ToleranceNotReached { at });
                     }
                     if round >= MOST_ROUNDS && !is_alone {
@@ -196,7 +242,7 @@ impl<'a> Smoother<'a> {
 
     /// The spline through the stations of a run. A run of one leg is that leg.
     fn fit(&self, first: usize, last: usize) -> Vec<Fitted> {
-        let mut points = vec![self.stations[first]];
+        let mut points = vec![self.stretch.stations[first]];
         let (mut steps, mut of_leg) = (Vec::new(), Vec::new());
         for k in first..last {
             let leg = &self.legs[k];
@@ -217,6 +263,16 @@ impl<'a> Smoother<'a> {
             from += step;
             let span = Span::cubic(range, [points[k], spline[k]], [points[k + 1], spline[k + 1]]);
             spans.push(Fitted { span, source: Source::Leg(of_leg[k]) });
+        }
+        for k in 1..spans.len() {
+            let is_station = of_leg[k] != of_leg[k - 1];
+            let on_pole = &self.stretch.on_pole;
+            // Of three stations on the pole, the path rests on it.
+            if is_station && on_pole[of_leg[k]] && !on_pole[of_leg[k - 1]] && !on_pole[of_leg[k] + 1] {
+                let [before, after] = smooth_thrice(&spans[k - 1].span, &spans[k].span);
+                spans[k - 1].span = before;
+                spans[k].span = after;
+            }
         }
         spans
     }
@@ -239,7 +295,7 @@ impl<'a> Smoother<'a> {
             all = all.max(deviation);
             let is_first =
                 k == 0 || spans[k - 1].source != *source || failed.last().is_none_or(|last| last.0 != leg);
-            if deviation.of(self.tolerance) > 1.0 && is_first {
+            if deviation.of(self.within(leg..leg + 1)) > 1.0 && is_first {
                 failed.push((leg, deviation, span.clone()));
             }
         }
@@ -252,7 +308,7 @@ impl<'a> Smoother<'a> {
         if tries == 0 && self.divide(leg, [first, last]) {
             return;
         }
-        let excess = deviation.of(self.tolerance);
+        let excess = deviation.of(self.within(leg..leg + 1));
         let own = &self.legs[leg];
         // Another repair of this round may have made its ends corners.
         let is_alone = self.is_corner[leg] && self.is_corner[leg + 1];
@@ -270,7 +326,7 @@ impl<'a> Smoother<'a> {
             self.inner[leg] = turned(own, LARGEST_TURN * 0.5_f64.powi(i32::from(tries) + 1));
             return;
         };
-        self.is_corner[k] = true;
+        self.make_corner(k);
         // What was drawn to the smooth curve starts again.
         for beside in [k - 1, k] {
             self.inner[beside] = turned(&self.legs[beside], LARGEST_TURN);
@@ -316,8 +372,23 @@ impl<'a> Smoother<'a> {
         true
     }
 
+    /// Adds the motion along the turns from a leg on, if it is the first of them.
+    fn turn_at_rest(&self, first: usize, rails: &mut Rails, budget: &Budget) -> Result<(), FiveAxisError> {
+        if first > 0 && self.legs[first - 1].is_rotation() {
+            return Ok(());
+        }
+        let count = self.legs[first..].iter().take_while(|leg| leg.is_rotation()).count();
+        let within = self.within(first..first + count).without(self.room.in_tube);
+        let on_pole = &self.stretch.on_pole[first..=first + count];
+        let chain = rotation::chain(&self.legs[first..first + count], on_pole, first, within.axis, budget)?;
+        rails.deviation.axis = rails.deviation.axis.max(chain.deviation);
+        rails.n_blends += chain.n_blends;
+        rails.rail.pieces.extend(chain.pieces);
+        Ok(())
+    }
+
     /// Joins the runs by blends and stops.
-    fn join(&self, runs: Vec<RunSpans>, budget: &Budget) -> Result<Rails, Stopped> {
+    fn join(&self, runs: Vec<RunSpans>, budget: &Budget) -> Result<Rails, FiveAxisError> {
         let mut rails = Rails {
             rail: Rail::default(),
             deviation: Deviation::NONE,
@@ -331,16 +402,16 @@ impl<'a> Smoother<'a> {
             let leg = self.legs[first];
             if leg.is_rotation() {
                 rails.end_piece(&mut piece);
-                let own = rotation::spans(&leg).into_iter();
-                let fitted = own.map(|span| Fitted { span, source: Source::Leg(first) });
-                rails.rail.pieces.push(Piece::new(fitted));
+                self.turn_at_rest(first, &mut rails, budget)?;
                 continue;
             }
             if !piece.is_empty() {
                 let legs = [self.legs[first - 1], leg];
                 let is_turn = self.turn(first) <= REVERSAL;
-                let within = self.tolerance.without(self.room);
-                let found = is_turn.then(|| blend(&piece, &spans, &legs, within)).flatten();
+                let within = self.within(first - 1..first + 1).without(self.room.at_corners);
+                // A blend would miss the pole, and turn a rotary axis far beside it.
+                let blends = is_turn && !self.stretch.on_pole[first];
+                let found = blends.then(|| blend(&piece, &spans, &legs, within)).flatten();
                 if let Some(Blend { span, leaves, meets, deviation }) = found {
                     end_at(&mut piece, leaves);
                     begin_at(&mut spans, meets);
@@ -372,6 +443,25 @@ impl Rails {
     }
 }
 
+/// Two spans that meet, with a continuous third derivative there. On a pole, the free angle has one derivative
+/// less than the axis.
+fn smooth_thrice(before: &Span, after: &Span) -> [Span; 2] {
+    let (start, end) = (before.jet(before.from), after.jet(after.to));
+    let [at, first, ..] = after.jet(after.from);
+    let (h, g) = (before.length(), after.length());
+    // The third derivatives of the two quintics at the joint, without the second derivative there.
+    let third_before = (at - start[0]) * (60.0 / h.powi(3))
+        - (start[1] * 24.0 + first * 36.0) / (h * h)
+        - start[2] * (3.0 / h);
+    let third_after =
+        (end[0] - at) * (60.0 / g.powi(3)) - (first * 36.0 + end[1] * 24.0) / (g * g) + end[2] * (3.0 / g);
+    let second = (third_after - third_before) / (9.0 / h + 9.0 / g);
+    [
+        Span::quintic([before.from, before.to], [start[0], start[1], start[2]], [at, first, second]),
+        Span::quintic([after.from, after.to], [at, first, second], [end[0], end[1], end[2]]),
+    ]
+}
+
 /// Points on a leg whose axis turns far: between them the mean of two axes is near their great circle.
 fn turned(leg: &Leg, largest: f64) -> Vec<Inner> {
     let count = (leg.angle / largest).ceil().max(1.0) as usize;
@@ -393,4 +483,30 @@ fn runs_along(span: &Span, leg: &Leg) -> bool {
     }
     const HALVINGS: usize = 3;
     is_forward(span, &leg.direction(), HALVINGS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::operations::five_axis::rail::join;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn on_a_pole_three_derivatives_are_continuous() {
+        let point = |x: f64, y: f64| join(Vector3::new(x, y, y * y), Vector3::new(y, x, 50.0));
+        let before =
+            Span::cubic([0.0, 2.0], [point(0.0, 0.0), point(1.0, 3.0)], [point(2.0, 1.0), point(0.5, 0.2)]);
+        let after =
+            Span::cubic([2.0, 2.7], [point(2.0, 1.0), point(0.5, 0.2)], [point(3.0, 1.0), point(1.0, 1.0)]);
+        let [one, other] = smooth_thrice(&before, &after);
+        let (left, right) = (one.jet(2.0), other.jet(2.0));
+        for order in 0..4 {
+            assert!((left[order] - right[order]).norm() < 1e-9, "{order}");
+        }
+        assert!((left[1] - before.jet(2.0)[1]).norm() < 1e-12);
+        for order in 0..3 {
+            assert!((one.jet(0.0)[order] - before.jet(0.0)[order]).norm() < 1e-9);
+            assert!((other.jet(2.7)[order] - after.jet(2.7)[order]).norm() < 1e-9);
+        }
+    }
 }

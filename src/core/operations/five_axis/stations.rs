@@ -3,9 +3,10 @@
 use nalgebra::{Point3, Unit};
 
 use super::FiveAxisError;
+use super::passage::Passage;
 use super::rail::{Piece, Point6, Rail, Span, tip, top};
 use crate::budget::Budget;
-use crate::machine::{AxisPositions, Machine};
+use crate::machine::{AxisPositions, Inverse, Machine};
 use crate::toolpath::pose::Pose;
 
 /// The most and the least stations of a span. With more, the time hardly shrinks.
@@ -26,13 +27,11 @@ const RESOLVED: f64 = 0.04;
 const MOST_PARTS: f64 = 32.0;
 const MOST_ROUNDS: usize = 6;
 
-/// The stations of all pieces.
-pub struct Stations {
-    /// The parameters of the stations of each piece.
-    pub places: Vec<Vec<f64>>,
-    /// The positions of the axes at all stations, one piece after the other; none without a machine.
-    pub joints: Vec<Option<AxisPositions>>,
-}
+/// Where a piece ends and the next one begins, an axis turns by at most this angle, radians: rounding.
+const SAME_ANGLE: f64 = 1e-10;
+
+/// A parameter of a piece with the positions of the axes there.
+pub type Station = (f64, AxisPositions);
 
 pub fn pose(at: &Point6) -> Pose {
     Pose { tip: Point3::from(tip(at)), axis: Unit::new_normalize(top(at)) }
@@ -51,57 +50,92 @@ fn places(spans: &[Span], share: f64) -> Vec<f64> {
     places
 }
 
-/// Stations between which no rotary axis turns far. Beside the pole a rotary axis turns far on a short way:
-/// there the stations are as near as needed.
-pub fn resolved(rail: &Rail, machine: Option<&Machine>, budget: &Budget) -> Result<Stations, FiveAxisError> {
+/// Parameters of each piece between which axes need not be followed.
+pub fn unfollowed(rail: &Rail) -> Vec<Vec<f64>> {
     let length = |piece: &Piece| piece.spans.iter().map(Span::length).sum::<f64>();
     let whole: f64 = rail.pieces.iter().map(length).sum();
-    let mut places: Vec<Vec<f64>> =
-        rail.pieces.iter().map(|piece| self::places(&piece.spans, length(piece) / whole)).collect();
+    rail.pieces.iter().map(|piece| places(&piece.spans, length(piece) / whole)).collect()
+}
+
+/// The stations of each piece, between which no rotary axis turns far. Beside the pole a rotary axis turns far
+/// on a short way: there the stations are as near as needed.
+///
+/// # Errors
+/// Where the machine cannot follow the rails, and where an axis would have to jump.
+pub fn resolved(rail: &Rail, machine: &Machine, budget: &Budget) -> Result<Vec<Vec<Station>>, FiveAxisError> {
+    let mut places = unfollowed(rail);
     let mut farthest = (0.0, Point3::origin());
     for _ in 0..=MOST_ROUNDS {
         budget.check()?;
-        let joints = followed(rail, &places, machine)?;
+        let stations = followed(rail, &places, machine)?;
         let mut finer = Vec::with_capacity(places.len());
-        let mut first = 0;
         farthest = (0.0, Point3::origin());
-        for (piece, own) in rail.pieces.iter().zip(&places) {
-            let joints = &joints[first..first + own.len()];
-            first += own.len();
-            let mut finer_own = vec![own[0]];
-            for (pair, ends) in own.windows(2).zip(joints.windows(2)) {
-                let turn = ends[0].zip(ends[1]).map_or(0.0, |(a, b)| {
-                    (b.rotary[0] - a.rotary[0]).abs().max((b.rotary[1] - a.rotary[1]).abs())
-                });
+        for (piece, own) in rail.pieces.iter().zip(&stations) {
+            let mut finer_own = vec![own[0].0];
+            for pair in own.windows(2) {
+                let ([from, to], turn) = ([pair[0].0, pair[1].0], turn(&pair[0].1, &pair[1].1));
                 if turn > farthest.0 {
-                    farthest =
-                        (turn, Point3::from(tip(&piece.spans[piece.index_at(pair[1])].jet(pair[1])[0])));
+                    farthest = (turn, Point3::from(tip(&piece.spans[piece.index_at(to)].jet(to)[0])));
                 }
                 let parts = (turn / LARGEST_TURN).ceil().clamp(1.0, MOST_PARTS) as usize;
-                let at = |k: usize| pair[0] + (pair[1] - pair[0]) * (k as f64 / parts as f64);
+                let at = |k: usize| from + (to - from) * (k as f64 / parts as f64);
                 finer_own.extend((1..parts).map(at));
-                finer_own.push(pair[1]);
+                finer_own.push(to);
             }
             finer.push(finer_own);
         }
         if farthest.0 <= RESOLVED {
-            return Ok(Stations { places, joints });
+            return without_jumps(rail, stations);
         }
         places = finer;
     }
     Err(FiveAxisError::OnPole { at: farthest.1 })
 }
 
-/// The positions of the axes at all stations.
-fn followed(
-    rail: &Rail,
-    places: &[Vec<f64>],
-    machine: Option<&Machine>,
-) -> Result<Vec<Option<AxisPositions>>, FiveAxisError> {
-    let Some(machine) = machine else {
-        return Ok(places.iter().flatten().map(|_| None).collect());
-    };
-    let mut poses = Vec::new();
+/// The stations, unless an axis has two positions where two pieces meet: on the pole, the angle that a piece
+/// ends with may differ from the one that the next piece needs.
+fn without_jumps(rail: &Rail, stations: Vec<Vec<Station>>) -> Result<Vec<Vec<Station>>, FiveAxisError> {
+    for (piece, pair) in rail.pieces.iter().zip(stations.windows(2)) {
+        let ends = [pair[0].last(), pair[1].first()];
+        if let [Some(end), Some(start)] = ends
+            && turn(&end.1, &start.1) > SAME_ANGLE
+        {
+            let at = Point3::from(tip(&piece.spans[piece.spans.len() - 1].end()));
+            return Err(FiveAxisError::OnPole { at });
+        }
+    }
+    Ok(stations)
+}
+
+/// The larger turn of the two rotary axes, radians.
+fn turn(from: &AxisPositions, to: &AxisPositions) -> f64 {
+    (to.rotary[0] - from.rotary[0]).abs().max((to.rotary[1] - from.rotary[1]).abs())
+}
+
+/// The positions at a parameter of a piece, on one of its spans, near those of the stations beside it: what
+/// was chosen there is not chosen again.
+pub fn positions(machine: &Machine, stations: &[Station], span: &Span, u: f64) -> AxisPositions {
+    let k = stations.partition_point(|(at, _)| *at <= u).clamp(1, stations.len() - 1);
+    let [(u0, before), (u1, after)] = [stations[k - 1], stations[k]];
+    let part = ((u - u0) / (u1 - u0)).clamp(0.0, 1.0);
+    let rotary = [0, 1].map(|k| before.rotary[k] + (after.rotary[k] - before.rotary[k]) * part);
+    let near = AxisPositions { rotary, ..before };
+    through_pole(machine, span, u, &near).unwrap_or_else(|| machine.nearest(&pose(&span.jet(u)[0]), rotary))
+}
+
+/// The positions on a span that goes through a pole. By the pose alone, the free angle would be rounded more
+/// and more toward the pole.
+fn through_pole(machine: &Machine, span: &Span, u: f64, near: &AxisPositions) -> Option<AxisPositions> {
+    let through = Passage::of(span, machine)?.jet(u);
+    let jet = span.jet(u);
+    let [_, _, _, first, second] =
+        machine.derivatives(&jet.map(|p| tip(&p)), &jet.map(|p| top(&p)), Some(&through), near)?;
+    Some(machine.at(&pose(&jet[0]).tip, [first[0], second[0]]))
+}
+
+/// The positions of the axes at places of all pieces.
+fn followed(rail: &Rail, places: &[Vec<f64>], machine: &Machine) -> Result<Vec<Vec<Station>>, FiveAxisError> {
+    let (mut poses, mut of_spans) = (Vec::new(), Vec::new());
     for (Piece { spans, .. }, places) in rail.pieces.iter().zip(places) {
         let mut k = 0;
         for u in places {
@@ -109,15 +143,27 @@ fn followed(
                 k += 1;
             }
             poses.push(pose(&spans[k].jet(*u)[0]));
+            of_spans.push((&spans[k], *u));
         }
     }
-    Ok(follow(machine, &poses)?.into_iter().map(Some).collect())
-}
-
-/// The positions of the axes at poses.
-pub fn follow(machine: &Machine, poses: &[Pose]) -> Result<Vec<AxisPositions>, FiveAxisError> {
-    machine.follow(poses, [0.0; 2]).map_err(|error| {
+    let mut joints = machine.follow_exactly(&poses, [0.0; 2]).map_err(|error| {
         let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
         FiveAxisError::NotFollowed { error, at }
-    })
+    })?;
+    // On a pole that the path goes through, the free angle is that of the path beside it.
+    for k in 0..joints.len() {
+        let (span, u) = of_spans[k];
+        let is_pole = matches!(machine.inverse(&poses[k]), Inverse::Pole { .. });
+        let near = if !is_pole {
+            joints[k]
+        } else if u > span.from {
+            joints[k - 1]
+        } else {
+            joints[k + 1]
+        };
+        joints[k] = through_pole(machine, span, u, &near).unwrap_or(joints[k]);
+    }
+    let mut joints = joints.into_iter();
+    let of_piece = |places: &Vec<f64>| places.iter().copied().zip(joints.by_ref()).collect();
+    Ok(places.iter().map(of_piece).collect())
 }

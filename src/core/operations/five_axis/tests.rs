@@ -2,6 +2,7 @@
 
 mod judge;
 mod laws;
+mod poles;
 
 use nalgebra::{Point3, Unit, Vector3};
 

@@ -29,7 +29,7 @@ mod least_jerk;
 mod tests;
 
 use super::deviation::{Deviation, of_span};
-use super::path::Leg;
+use super::leg::Leg;
 use super::rail::{Fitted, Point6, Source, Span, tip};
 use crate::budget::{Budget, Stopped};
 use least_jerk::{FitPoint, Problem};

@@ -28,7 +28,7 @@ use limits::SentLimits;
 pub use machine::{Machines, SentMachine};
 pub use samples::{Sample, SampleMembers, SmoothMembers, SmoothQuery};
 use toolpathd_core::machine::{Machine, Straying};
-use toolpathd_core::operations::five_axis::{self as core, Method};
+use toolpathd_core::operations::five_axis::{self as core, AtPole, Method};
 use toolpathd_core::toolpath::cutting::CuttingRequest;
 use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 use toolpathd_core::toolpath::units::FeedRate;
@@ -78,6 +78,11 @@ pub struct SmoothRequest {
     /// The machine whose axes move. Samples then hold the positions of the axes. Default: none.
     #[serde(default, deserialize_with = "object::optional")]
     machine: Option<SentMachine>,
+    /// What the path does where its axis comes within the tolerance of a pole of `machine`: a direction at
+    /// which a rotary axis may have any angle, and beside which this axis turns far.
+    #[serde(default)]
+    #[schema(default = "quickest")]
+    at_pole: AtPole,
     /// Limits of the axes. The motion then starts and ends at rest, stops where it has to, and is as fast as
     /// the limits and the feed allow. Default: none; the feed is constant, without ramps.
     #[serde(default, deserialize_with = "object::optional")]
@@ -99,7 +104,8 @@ pub struct SmoothRequest {
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::optional")]
     program: Option<Program>,
-    /// Time between two samples of the motion, in milliseconds.
+    /// Time between two samples of the motion, in milliseconds. Without `?samples=true`, figures and pictures
+    /// of a motion of more than 100,000 samples are made of as many, which are farther apart.
     #[schema(minimum = 0.01, maximum = 1000, default = 1)]
     sample_period_ms: Option<f64>,
     /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer
@@ -157,6 +163,7 @@ impl IntoJob for SmoothRequest {
             top_distance_mm,
             method,
             machine,
+            at_pole,
             limits: sent_limits,
             axis_output,
             retract_mm,
@@ -208,8 +215,10 @@ impl IntoJob for SmoothRequest {
             method,
             period_s: sample_period_ms.map_or(core::DEFAULT_PERIOD_S, |ms| ms * 1e-3),
             machine,
+            at_pole,
             limits: motion,
             sample_limit: limits.samples,
+            wants_samples: true,
             move_limit: limits.moves,
             retract_mm: retract_mm.unwrap_or(core::DEFAULT_RETRACT_MM),
             // Half a unit along each coordinate.

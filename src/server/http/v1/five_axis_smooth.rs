@@ -100,8 +100,11 @@ impl Product for Motion {
 }
 
 fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Report, Motion>, ApiError> {
-    let SmoothJob { job, setup, cutting, has_program, meta } = job;
-    let Plan { report, samples, toolpath, warnings } = five_axis::plan(&job, budget)?;
+    let SmoothJob { mut job, setup, cutting, has_program, meta } = job;
+    job.wants_samples = shown.samples;
+    let plan = five_axis::plan(&job, budget)?;
+    let diagrams = if shown.diagrams { diagrams(&job, &plan, budget)? } else { Vec::new() };
+    let Plan { report, samples, period_s: _, toolpath, warnings } = plan;
     let mut warnings: Vec<Warning> = warnings.iter().map(Warning::from).collect();
     let mut violations = Violations::default();
     let conditions = (has_program || shown.program).then(|| conditions(&toolpath, cutting, &mut violations));
@@ -113,7 +116,6 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Repor
     });
     let given = job.path.iter().map(|waypoint| waypoint.pose.tip).collect();
     let comments = vec![proved(&report)];
-    let diagrams = if shown.diagrams { diagrams(&job, &samples, budget)? } else { Vec::new() };
     Ok(Outcome {
         meta,
         warnings,
@@ -130,8 +132,8 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Repor
 }
 
 /// Feed, acceleration, jerk and the angles of the axes, before and after.
-fn diagrams(job: &Job, samples: &[TimedPose], budget: &Budget) -> Result<Vec<Diagram>, ApiError> {
-    let [before, after] = history::before_and_after(job, samples, budget)?;
+fn diagrams(job: &Job, plan: &Plan, budget: &Budget) -> Result<Vec<Diagram>, ApiError> {
+    let [before, after] = history::before_and_after(job, plan, budget)?;
     let scaled =
         |course: Course, factor: f64| course.into_iter().map(|[t, value]| [t, value * factor]).collect();
     let diagram = |name: String, [before, after]: [Course; 2], factor: f64| Diagram {

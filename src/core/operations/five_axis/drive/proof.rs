@@ -23,13 +23,17 @@ use nalgebra::Point3;
 
 use super::{Axes, Path, STILL};
 use crate::budget::{Budget, Stopped};
-use crate::machine::{AxisPositions, Ball, Inverse, Machine};
-use crate::operations::five_axis::rail::{Point6, Span, tip, top};
+use crate::machine::{AxisPositions, Ball, Inverse, Machine, Through};
+use crate::operations::five_axis::rail::{Point6, tip, top};
 use crate::operations::five_axis::schedule::{Course, Expansion, Schedule};
 use crate::operations::five_axis::stations::pose;
 
 /// A bound is near enough if it is at most this multiple of what is used.
 const NEAR: f64 = 1.001;
+
+/// The same after some halvings: beside a pole, balls shrink slowly.
+const NEAR_IF_HALVED: f64 = 1.01;
+const HALVED: u32 = 6;
 
 /// Stations are added where the motion would have to be slowed by more than this factor.
 const TIGHT: f64 = 1.003;
@@ -72,7 +76,7 @@ impl Path<'_> {
             open.push((interval, 0));
             while let Some((range, depth)) = open.pop() {
                 let of_span = &self.piece.spans[span];
-                let expansions = self.expansions(of_span, range, self.stations[station].1, axes);
+                let expansions = self.expansions(span, range, self.stations[station].1, axes);
                 if let Some((coordinates, paced)) = &expansions {
                     let found = schedule.slowdown_for(
                         k,
@@ -87,7 +91,8 @@ impl Path<'_> {
                     );
                     most_used = most_used.max(found.at_middle);
                     needed = needed.max(found.at_middle);
-                    if found.bound <= NEAR * most_used.max(1.0) {
+                    let near = if depth < HALVED { NEAR } else { NEAR_IF_HALVED };
+                    if found.bound <= near * most_used.max(1.0) {
                         proof.slowdown = proof.slowdown.max(found.bound);
                         continue;
                     }
@@ -112,13 +117,13 @@ impl Path<'_> {
     /// range may touch the pole.
     fn expansions(
         &self,
-        span: &Span,
+        span: usize,
         range: [f64; 2],
         joints: Option<AxisPositions>,
         axes: &Axes,
     ) -> Option<(Vec<Expansion>, [Expansion; 3])> {
-        let w = 0.5 * (range[1] - range[0]);
-        let about: [Point6; ORDERS + 1] = span.taylor(0.5 * (range[0] + range[1]));
+        let (w, middle) = (0.5 * (range[1] - range[0]), 0.5 * (range[0] + range[1]));
+        let about: [Point6; ORDERS + 1] = self.piece.spans[span].taylor(middle);
         let polynomial = |k: usize| of_polynomial(about.map(|c| c[k]), w);
         let paced = [0, 1, 2].map(|k| polynomial(if self.rests { k + 3 } else { k }));
         let tips = (0..3).map(polynomial);
@@ -128,7 +133,11 @@ impl Path<'_> {
         let mut all: Vec<Expansion> = if axes.limits.len() > 5 { tips.collect() } else { Vec::new() };
         let balls = [0, 1, 2, 3, 4, 5].map(|k| balls(about.map(|c| c[k]), w));
         let [x, y, z, i, j, l] = balls;
-        match machine.coefficients([x, y, z], [i, j, l], &joints) {
+        let through = self.passages[span].as_ref().map(|passage| {
+            let (across, way) = passage.taylor(middle);
+            (Through { across: across.map(|about| self::balls(about, w)), way }, w)
+        });
+        match machine.coefficients([x, y, z], [i, j, l], through, &joints) {
             Some(own) => all.extend(own.map(of_balls)),
             None => all.extend(resting_on_pole(machine, &about, &balls[3..], joints, w)?),
         }

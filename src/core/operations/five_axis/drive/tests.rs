@@ -11,7 +11,7 @@ use crate::toolpath::pose::Pose;
 /// Rails through poses.
 fn rail(poses: &[Pose]) -> Rail {
     let job = job(poses.to_vec(), Method::Interpolating);
-    let path = Given::new(&job.path, job.top_mm).unwrap();
+    let path = Given::new(&job.path, job.top_mm, job.tolerance()).unwrap();
     rails(&job, &path, &Budget::unlimited()).unwrap().rail
 }
 
@@ -41,7 +41,7 @@ fn sampled(path: &Path, schedule: &Schedule, axes: &Axes, parts: usize) -> f64 {
             let (v, a, j) = (motion.speed, motion.acceleration, motion.jerk);
             factor = factor.max(v / path.speed_cap(span, &jet));
             for ([first, second, third], limits) in
-                path.derivatives(&jet, joints, axes).unwrap().iter().zip(&axes.limits)
+                path.derivatives(span, u, joints, axes).unwrap().iter().zip(&axes.limits)
             {
                 let acceleration = second * v * v + first * a;
                 let jerk = third * v * v * v + 3.0 * second * v * a + first * j;
@@ -70,7 +70,8 @@ proptest! {
         prop_assert!(!drive.pieces.is_empty());
         for driven in drive.pieces {
             let Driven { piece, stations, schedule, .. } = driven;
-            let path = Path { piece, stations, machine: Some(&machine), rests: piece.rests() };
+            let passages = passages(&piece.spans, Some(&machine));
+            let path = Path { piece, passages, stations, machine: Some(&machine), rests: piece.rests() };
             let used = sampled(&path, &schedule, &axes, 7);
             let proof = path.proof(&schedule, &axes, &Budget::unlimited()).unwrap();
             // Bounds are halved until they are at most 1.001 times what is used.

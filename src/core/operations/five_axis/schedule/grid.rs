@@ -32,7 +32,7 @@ const FIRST_OF_PATH: f64 = 1e-7;
 
 /// Places that are nearer than `ONE_PLACE` of the interval between two stations, or than `ROUNDING` of their
 /// parameters, give one node: the distances from both ends lead to the same places but for rounding.
-const ONE_PLACE: f64 = 1e-9;
+const ONE_PLACE: f64 = 1e-6;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The nodes of `stations`, which are at least two.

@@ -1,4 +1,4 @@
-//! The spline in the tube: against closed forms, its own proof, and interpolation of noisy data.
+//! The spline in the tube: against closed forms, its own proof, and the method of the paper on noisy data.
 
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -33,11 +33,13 @@ fn wave(n: usize, step: f64, tip_noise: f64, axis_noise: f64) -> Vec<Pose> {
 fn noisy_data_get_few_smooth_spans_within_the_tolerance() {
     let poses = wave(400, 0.2, 0.0015, 5e-4);
     let tube = assert_within("tube", &job(poses.clone(), Method::Tube));
-    let through = plan(&job(poses, Method::Interpolating), &Budget::unlimited()).unwrap().report;
+    let through = plan(&job(poses.clone(), Method::Paper), &Budget::unlimited()).unwrap().report;
     assert!(tube.report.n_spans <= 25, "{:?}", tube.report);
     assert_eq!(tube.report.n_stops, 0);
     let gain = through.jerk.rms / tube.report.jerk.rms;
     assert!(gain > 100.0, "{gain} {:?} {:?}", tube.report, through);
+    let by_default = plan(&job(poses, Method::Interpolating), &Budget::unlimited()).unwrap().report;
+    assert_eq!(by_default, tube.report);
 }
 
 #[test]

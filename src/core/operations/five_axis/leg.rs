@@ -1,0 +1,55 @@
+//! The straight motion from one pose to the next.
+
+use nalgebra::Vector3;
+
+use super::rail::{Point6, join, tip, top};
+use crate::toolpath::tool_axes::angle_between;
+
+/// Two tips that are nearer to each other are the same, mm: far below what a program can say.
+pub const SAME_TIP_MM: f64 = 1e-7;
+
+/// Two axes at a smaller angle are the same, radians: at 100 mm from the tip this is a tenth of a nanometre.
+pub const SAME_AXIS: f64 = 1e-9;
+
+/// The straight motion from one pose to the next: the tip on a line, the axis on a great circle in step
+/// with the tip.
+#[derive(Debug, Clone, Copy)]
+pub struct Leg {
+    pub start: Point6,
+    pub end: Point6,
+    /// The length of the tip's line, mm, and the angle of the axes, radians.
+    pub length: f64,
+    pub angle: f64,
+}
+
+impl Leg {
+    pub fn new(start: Point6, end: Point6) -> Self {
+        let length = (tip(&end) - tip(&start)).norm();
+        Self { start, end, length, angle: angle_between(&top(&start), &top(&end)) }
+    }
+
+    /// Whether the tip rests while the axis turns.
+    pub fn is_rotation(&self) -> bool {
+        self.length <= SAME_TIP_MM
+    }
+
+    pub fn direction(&self) -> Vector3<f64> {
+        (tip(&self.end) - tip(&self.start)) / self.length
+    }
+
+    /// The place at a part of the leg, from 0 to 1.
+    pub fn at(&self, part: f64) -> Point6 {
+        let tip = tip(&self.start).lerp(&tip(&self.end), part);
+        join(tip, self.top_at(part))
+    }
+
+    /// The vector to the top at a part of the leg, on the great circle.
+    pub fn top_at(&self, part: f64) -> Vector3<f64> {
+        let (a, b) = (top(&self.start), top(&self.end));
+        if self.angle <= SAME_AXIS {
+            return a.lerp(&b, part);
+        }
+        let sine = self.angle.sin();
+        a * (((1.0 - part) * self.angle).sin() / sine) + b * ((part * self.angle).sin() / sine)
+    }
+}

@@ -1,0 +1,142 @@
+//! Paths through poles, beside them and around them.
+
+use nalgebra::Rotation3;
+
+use super::*;
+use crate::machine::named::{by_name, named};
+
+/// The tolerance of the axis in these tests, degrees.
+const TOLERANCE_DEG: f64 = 0.2;
+
+/// A turn of 50 degrees over 80 mm, whose axis passes `off` degrees beside +Z.
+fn across(off: f64, n: usize) -> Vec<Pose> {
+    let along = Vector3::new(0.4_f64.cos(), 0.4_f64.sin(), 0.0);
+    let middle = Rotation3::new(along * off.to_radians()) * Vector3::z();
+    let about = Unit::new_normalize(middle.cross(&along));
+    let pose = |k: usize| {
+        let part = k as f64 / n as f64;
+        let turn = Rotation3::from_axis_angle(&about, (50.0 * part - 25.0).to_radians());
+        Pose { tip: Point3::new(80.0 * part, 0.0, 0.0), axis: Unit::new_normalize(turn * middle) }
+    };
+    (0..=n).map(pose).collect()
+}
+
+fn on(machine: &crate::machine::Machine, poses: Vec<Pose>) -> Job {
+    Job {
+        machine: Some(machine.clone()),
+        limits: Some(limits()),
+        tolerance_axis: TOLERANCE_DEG.to_radians(),
+        tolerance_mm: 0.01,
+        period_s: 0.001,
+        ..job(poses, Method::Interpolating)
+    }
+}
+
+/// The time of half a turn of a rotary axis from rest to rest within the limits, s.
+fn half_turn_s() -> f64 {
+    let [speed, acceleration, jerk] = limits_of('C');
+    180.0 / speed + speed / acceleration + acceleration / jerk
+}
+
+#[test]
+fn two_poses_across_a_pole_take_little_longer_than_away_from_it_on_every_machine() {
+    for machine in named() {
+        let away = plan(&on(&machine, across(30.0, 1)), &Budget::unlimited()).unwrap().report.cycle_time_s;
+        for off in [0.0, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.05, 0.0999, 0.11, 0.2, 0.5, 2.0, 5.0] {
+            let name = format!("{} {off}", machine.name());
+            let plan = assert_driven(&name, &on(&machine, across(off, 1)));
+            let Report { cycle_time_s, limits_proved, within_tolerance, .. } = plan.report;
+            assert!(cycle_time_s <= 1.5 * away + half_turn_s(), "{name}: {cycle_time_s} s, away {away} s");
+            assert_eq!((limits_proved, within_tolerance), (Some(true), true), "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_axis_is_within_its_tolerance_of_the_given_path_beside_poles() {
+    let machine = by_name("table_table_ac").unwrap();
+    for n in [1, 7, 40] {
+        for off in [0.0, 1e-6, 1e-3, 0.05, 0.0999] {
+            let job = on(&machine, across(off, n));
+            let plan = assert_driven(&format!("{n} {off}"), &job);
+            for sample in &plan.samples {
+                let given = across(off, 4000);
+                let nearest = &given[(sample.pose.tip.x / 80.0 * 4000.0).round() as usize];
+                let angle = angle(&nearest.axis, &sample.pose.axis).to_degrees();
+                assert!(angle <= plan.report.deviation_max_deg + 0.02, "{n} {off}: {angle}");
+            }
+            assert!(plan.report.deviation_max_deg <= TOLERANCE_DEG);
+        }
+    }
+}
+
+#[test]
+fn an_upright_path_with_noise_rests_on_the_pole() {
+    let machine = by_name("head_table_bc").unwrap();
+    let upright = |noise: f64| {
+        let pose = |k: usize| {
+            let [x, y] = [7.3, 11.9].map(|rate| noise * (rate * (k * k) as f64).sin());
+            Pose {
+                tip: Point3::new(2.0 * k as f64, 0.0, 0.0),
+                axis: Unit::new_normalize(Vector3::new(x, y, 1.0)),
+            }
+        };
+        (0..=40).map(pose).collect::<Vec<_>>()
+    };
+    let clean = assert_driven("clean", &on(&machine, upright(0.0)));
+    for noise in [1e-9, 1e-6, 1e-4, 1e-3] {
+        let plan = assert_driven(&noise.to_string(), &on(&machine, upright(noise)));
+        assert!(plan.report.cycle_time_s <= 1.05 * clean.report.cycle_time_s, "{noise}: {:?}", plan.report);
+    }
+}
+
+#[test]
+fn a_turn_over_a_pole_about_a_resting_tip_runs() {
+    let machine = by_name("table_table_ac").unwrap();
+    let pose = |x: f64, axis: [f64; 3]| Pose {
+        tip: Point3::new(x, 0.0, 0.0),
+        axis: Unit::new_normalize(Vector3::from(axis)),
+    };
+    let (before, after) = ([0.5, 0.0, 0.866], [0.0, 0.5, 0.866]);
+    let path = [(0.0, before), (10.0, before), (10.0, [0.0, 0.0, 1.0]), (10.0, after), (20.0, after)];
+    let plan = assert_driven("rest", &on(&machine, path.map(|(x, axis)| pose(x, axis)).to_vec()));
+    assert!(plan.report.cycle_time_s < 6.0, "{:?}", plan.report);
+}
+
+#[test]
+fn repeated_and_nearly_repeated_poses_cost_no_time() {
+    let machine = by_name("table_table_bc").unwrap();
+    let (pose, _) = paper_like();
+    let clean: Vec<Pose> = (0..100).map(|k| pose(f64::from(k))).collect();
+    let doubled: Vec<Pose> = clean
+        .iter()
+        .flat_map(|pose| [*pose, Pose { tip: pose.tip + Vector3::new(2e-6, 0.0, 0.0), ..*pose }])
+        .collect();
+    let [once, twice] = [clean, doubled].map(|poses| assert_driven("repeated", &on(&machine, poses)).report);
+    assert!(twice.cycle_time_s <= 1.01 * once.cycle_time_s, "{twice:?} {once:?}");
+}
+
+#[test]
+fn rounded_and_noisy_poses_cost_little_time() {
+    let machine = by_name("table_table_bc").unwrap();
+    let (pose, _) = paper_like();
+    let path = |step: f64, noise: f64, digits: f64| -> Vec<Pose> {
+        let rounded = |x: f64| (x * digits).round() / digits;
+        let count = (60.0 / step) as usize;
+        let one = |k: usize| {
+            let Pose { tip, axis } = pose(step * k as f64);
+            let off = |rate: f64| noise * (rate * (k * k) as f64).sin();
+            let tip = tip + Vector3::new(off(7.3), off(11.9), off(3.1));
+            Pose { tip: tip.map(rounded), axis }
+        };
+        (0..=count).map(one).collect()
+    };
+    for step in [0.05, 0.2, 1.0] {
+        let clean = assert_driven("clean", &on(&machine, path(step, 0.0, 1e9))).report.cycle_time_s;
+        for (noise, digits) in [(0.0, 1e3), (0.0, 1e4), (2e-3, 1e9)] {
+            let name = format!("{step} {noise} {digits}");
+            let noisy = assert_driven(&name, &on(&machine, path(step, noise, digits))).report.cycle_time_s;
+            assert!(noisy <= 1.05 * clean, "{name}: {noisy} s for {clean} s");
+        }
+    }
+}

@@ -21,7 +21,7 @@ fn job(blocks: usize) -> Job {
         Pose { tip, axis: Unit::new_normalize(axis) }
     };
     let pace = Pace::Feed(FeedRate::from_mm_per_min(3000.0).expect("a feed"));
-    let path = (0..=blocks).map(pose).map(|pose| Waypoint { pose, pace }).collect();
+    let path = (0..=blocks).map(pose).map(|pose| Waypoint::new(pose, pace)).collect();
     Job { rounding_mm: 0.0009, period_s: 0.01, ..Job::new(path, 0.005, 0.5_f64.to_radians()) }
 }
 

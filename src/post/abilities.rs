@@ -2,7 +2,7 @@
 
 use super::dialect::{Dialect, LengthOffsets};
 use toolpathd_core::toolpath::cutting::Coolant;
-use toolpathd_core::toolpath::program::{Program, SafeHome, Units};
+use toolpathd_core::toolpath::program::{Program, SafeHome, Smoothing, SmoothingMode, Units};
 use toolpathd_core::toolpath::tool::Tool;
 
 /// What a dialect cannot write.
@@ -23,6 +23,14 @@ pub enum Missing {
     ToolNumber { dialect: &'static str, number: u32, most: u32 },
     #[error("the dialect {dialect} has no length offset {number}")]
     LengthOffsetNumber { dialect: &'static str, number: u32, most: u32 },
+    #[error("the dialect {dialect} has no word for smoothing")]
+    Smoothing { dialect: &'static str },
+    #[error("the smoothing of the dialect {dialect} takes no {member}")]
+    SmoothingMember { dialect: &'static str, member: &'static str },
+    #[error("the smoothing of the dialect {dialect} needs a tolerance of the path")]
+    SmoothingTolerance { dialect: &'static str },
+    #[error("the smoothing of the dialect {dialect} has no such mode")]
+    SmoothingMode { dialect: &'static str, has: &'static [SmoothingMode] },
     #[error("programs in the dialect {dialect} state the radius of the tool, and no tool is given")]
     Tool { dialect: &'static str },
 }
@@ -64,6 +72,33 @@ pub fn missing(dialect: &Dialect, program: &Program, coolant: Coolant, tool: Opt
     }
     if tool.is_none() && abilities.needs_tool {
         missing.push(Missing::Tool { dialect: name });
+    }
+    missing.extend(program.smoothing.into_iter().flat_map(|smoothing| of_smoothing(dialect, smoothing)));
+    missing
+}
+
+fn of_smoothing(dialect: &Dialect, smoothing: Smoothing) -> Vec<Missing> {
+    let (dialect, words) = (dialect.name, dialect.smoothing);
+    let Some(words) = words else { return vec![Missing::Smoothing { dialect }] };
+    let Smoothing { tolerance_mm, tolerance_deg, mode } = smoothing;
+    let mut missing = Vec::new();
+    if tolerance_mm.is_some() && !words.takes_tolerance {
+        missing.push(Missing::SmoothingMember { dialect, member: "tolerance_mm" });
+    }
+    if tolerance_mm.is_none() && words.needs_tolerance {
+        missing.push(Missing::SmoothingTolerance { dialect });
+    }
+    if tolerance_deg.is_some() && !words.takes_degrees {
+        missing.push(Missing::SmoothingMember { dialect, member: "tolerance_deg" });
+    }
+    match mode {
+        Some(_) if words.modes.is_empty() => {
+            missing.push(Missing::SmoothingMember { dialect, member: "mode" });
+        }
+        Some(mode) if !words.modes.contains(&mode) => {
+            missing.push(Missing::SmoothingMode { dialect, has: words.modes });
+        }
+        _ => {}
     }
     missing
 }

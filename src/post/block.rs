@@ -26,6 +26,15 @@ pub enum Block {
         center: [i64; 2],
         feed: FeedWord,
     },
+    /// A helix about Z. It turns by `angle`, in ten-thousandths of a degree, from where the tool is, and
+    /// so ends beside `to` by a rounding.
+    Helix {
+        direction: Direction,
+        to: [i64; 3],
+        center: [i64; 2],
+        angle: i64,
+        feed: FeedWord,
+    },
     /// Stays at the height of its start. `control`, the Bezier control point, counts from the start.
     Parabola {
         to: [i64; 2],
@@ -43,10 +52,11 @@ pub enum Block {
     Rotate {
         angles: [i64; 2],
     },
-    /// Moves to `to` as a rapid. After this block, X, Y and Z state the place of the tool tip, also while the
-    /// tool leans.
+    /// Moves the axes that have a value as a rapid. From this block on, X, Y and Z state the place of the
+    /// tool tip, also while the tool leans. Where the axes stand in these coordinates is not known
+    /// before.
     BeginTipControl {
-        to: [i64; 3],
+        to: [Option<i64>; 3],
         axis: AxisWords,
     },
     /// A straight motion with the axis at its end.

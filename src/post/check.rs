@@ -11,9 +11,11 @@ use super::posed::VECTOR_DECIMALS;
 use super::rails::{FineGrid, RailWords};
 use super::read::{Placed, Posed, PosedFeed, ROTARY, RailStep, Reader, Step, TipMode};
 use super::words::FeedWord;
-use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
+use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError, blank, helix, smoothing};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::program::{Resolution, Smoothing, SmoothingMode};
 use toolpathd_core::toolpath::quantize::Grid;
 use toolpathd_core::toolpath::units::FeedRate;
 
@@ -26,6 +28,11 @@ const MISMATCH_LIMIT_STEPS: f64 = 1.5;
 /// fault.
 const AGREEMENT_STEPS: f64 = 0.01;
 
+/// How far a helix may end beside its point, in units of the last decimal: the difference of the radii of its
+/// ends, and what the rounding of its angle and its start add. Its angle, centre and start are compared
+/// exactly.
+const HELIX_END_STEPS: f64 = 2.5;
+
 /// Largest difference of a written and a read feed, as a part of it. Both are the same decimal number, times
 /// the same unit: they differ by the rounding of a product.
 const FEED_AGREEMENT: f64 = 1e-12;
@@ -36,6 +43,9 @@ const DWELL_AGREEMENT_MS: f64 = 1e-3;
 /// Largest difference from 60 of a block's seconds times its inverse time: the rounding of a quotient and of
 /// a product is 1e-14.
 const INVERSE_TIME_AGREEMENT: f64 = 1e-9;
+
+/// Largest difference of a written and a read tolerance, mm or degrees: the rounding of a product.
+const SMOOTHING_AGREEMENT: f64 = 1e-9;
 
 /// Reads `text` and returns the largest radius mismatch in it, mm. A shop's own lines stand at `custom`.
 ///
@@ -56,6 +66,7 @@ pub fn read_back(
     // A block that ends modes moves nothing.
     let blocks = lowered.blocks.iter().filter(|block| !matches!(block, Block::EndPosed | Block::EndRails));
     let mut at: [Option<i64>; 3] = [None; 3];
+    let mut helix_end: Option<[f64; 2]> = None;
     let mut largest_mismatch: f64 = 0.0;
     let mut line = 0;
     for (k, block) in blocks.enumerate() {
@@ -65,12 +76,26 @@ pub fn read_back(
         let Some(placed) = steps.next() else { return Err(WriteError::Differs { line, what: "end" }) };
         let placed = placed?;
         line = placed.line;
-        if let Some(what) = difference(block, &lowered.rails, &mut at, &placed, job, grid) {
+        if let Some(what) = difference(block, &lowered.rails, &mut at, &mut helix_end, &placed, job, grid) {
             return Err(WriteError::Differs { line, what });
+        }
+        if is_cut(&placed.step) && !smooths(steps.smoothing(), job) {
+            return Err(WriteError::Differs { line, what: "smoothing" });
         }
         if let Step::Feed { radius_mismatch_mm, .. } = placed.step {
             largest_mismatch = largest_mismatch.max(radius_mismatch_mm);
         }
+    }
+    let corners = blank::corners(job)?.map(|corners| corners.map(|corner| grid.point(corner)));
+    let is_near = |[a, b]: [Point3<f64>; 2]| (a - b).norm() <= AGREEMENT_STEPS * grid.step_mm();
+    let is_same = match (steps.blank(), corners) {
+        (Some([low, high]), Some([own_low, own_high])) => {
+            is_near([low, own_low]) && is_near([high, own_high])
+        }
+        (read, own) => read.is_none() && own.is_none(),
+    };
+    if !is_same {
+        return Err(WriteError::Differs { line: 0, what: "raw part" });
     }
     match steps.next() {
         None => Ok(largest_mismatch),
@@ -79,22 +104,26 @@ pub fn read_back(
     }
 }
 
-/// The name of what differs between a block and the step that was read for it; `None` if they agree. `at` is
-/// where the block starts, and afterwards where the block ends.
+/// The name of what differs between a block and the step that was read for it; `None` if they agree. `at`
+/// is where the block starts, and afterwards where the block ends. `helix_end` is where the last helix was
+/// read to end, beside its point by a rounding, as long as no block has stated X and Y.
 fn difference(
     block: &Block,
     rails: &[RailWords],
     at: &mut [Option<i64>; 3],
+    helix_end: &mut Option<[f64; 2]>,
     placed: &Placed,
     job: &ProgramJob,
     grid: &Grid,
 ) -> Option<&'static str> {
-    let start = *at;
+    // Coordinates before tip control are those of another point.
+    let start = if matches!(block, Block::BeginTipControl { .. }) { [None; 3] } else { *at };
     match *block {
         Block::Rapid { to } | Block::Park { to } => *at = [0, 1, 2].map(|axis| to[axis].or(at[axis])),
+        Block::BeginTipControl { to, .. } => *at = to,
         Block::Line { to, .. }
         | Block::Arc { to, .. }
-        | Block::BeginTipControl { to, .. }
+        | Block::Helix { to, .. }
         | Block::Posed { to, .. } => *at = to.map(Some),
         Block::Parabola { to: [x, y], .. } => *at = [Some(x), Some(y), at[2]],
         Block::Rail { index } => *at = rails[index as usize].to.map(Some),
@@ -105,20 +134,32 @@ fn difference(
         | Block::EndPosed => {}
     }
     let is_near = |mm: f64, units: i64| (mm - grid.mm(units)).abs() <= AGREEMENT_STEPS * grid.step_mm();
+    let left = *helix_end;
     let are_near = |read: [Option<f64>; 3], units: [Option<i64>; 3]| {
-        read.into_iter().zip(units).all(|pair| match pair {
-            (Some(read), Some(units)) => is_near(read, units),
+        read.into_iter().zip(units).enumerate().all(|(axis, pair)| match pair {
+            (Some(read), Some(units)) => {
+                is_near(read, units) || left.is_some_and(|left| left.get(axis) == Some(&read))
+            }
             (None, None) => true,
             _ => false,
         })
+    };
+    *helix_end = match (*block, placed.step) {
+        (Block::Helix { .. }, Step::Feed { along, .. }) => Some([along.end().x, along.end().y]),
+        (
+            Block::Rapid { to: [None, None, _] } | Block::Park { to: [None, None, _] } | Block::Dwell { .. },
+            _,
+        ) => left,
+        _ => None,
     };
     let joins = |curve: &Curve| {
         let [from, to] = [curve.start(), curve.end()].map(|p| [Some(p.x), Some(p.y), Some(p.z)]);
         are_near(from, start) && are_near(to, *at)
     };
-    let are_offsets = |curve: &Curve, p: Point3<f64>, [a, b]: [usize; 2], offsets: [i64; 2]| {
-        let start = curve.start();
-        is_near(p[a] - start[a], offsets[0]) && is_near(p[b] - start[b], offsets[1])
+    let are_offsets = |p: Point3<f64>, axes: [usize; 2], offsets: [i64; 2]| {
+        axes.into_iter()
+            .zip(offsets)
+            .all(|(axis, offset)| start[axis].is_some_and(|start| is_near(p[axis] - grid.mm(start), offset)))
     };
     let is_feed = |rate: FeedRate, feed: FeedWord| {
         let wanted = feed.value() * grid.unit_mm();
@@ -131,9 +172,10 @@ fn difference(
             (is_axis(AxisWords::Angles(angles), &posed), "axis"),
             ((posed.mode, posed.feed) == (TipMode::Off, PosedFeed::Rapid), "mode"),
         ]),
-        (Block::BeginTipControl { axis, .. }, Step::Posed(posed)) => first_false(&[
+        (Block::BeginTipControl { to, axis }, Step::Posed(posed)) => first_false(&[
             (place(&posed), "place"),
-            (is_axis(axis, &posed), "axis"),
+            // The way across may leave the vector to the way down.
+            (is_axis(axis, &posed) || to[2].is_none() && posed.vector.is_none(), "axis"),
             (posed.mode != TipMode::Off && posed.feed == PosedFeed::Rapid, "mode"),
         ]),
         (Block::Posed { axis, feed, .. }, Step::Posed(posed)) => first_false(&[
@@ -171,7 +213,23 @@ fn difference(
             first_false(&[
                 (joins(&along), "place"),
                 ((arc.plane(), arc.direction()) == (plane, direction), "sense"),
-                (are_offsets(&along, written, [a, b], center), "centre"),
+                (are_offsets(written, [a, b], center), "centre"),
+                (is_feed(rate, feed), "feed"),
+            ])
+        }
+        (
+            Block::Helix { direction, to, center, angle, feed },
+            Step::Feed { along: along @ Curve::Arc(arc), rate, center: Some(written), .. },
+        ) => {
+            let from = along.start();
+            let beside_mm = (along.end() - grid.point(to)).xy().norm();
+            let turned = arc.sweep().to_degrees() * helix::PER_DEGREE;
+            first_false(&[
+                (are_near([Some(from.x), Some(from.y), Some(from.z)], start), "place"),
+                (beside_mm <= HELIX_END_STEPS * grid.step_mm() && is_near(along.end().z, to[2]), "place"),
+                ((arc.plane(), arc.direction()) == (Plane::Xy, direction), "sense"),
+                (are_offsets(written, [0, 1], center), "centre"),
+                ((turned - angle as f64).abs() <= AGREEMENT_STEPS, "angle"),
                 (is_feed(rate, feed), "feed"),
             ])
         }
@@ -180,7 +238,7 @@ fn difference(
             Step::Feed { along: along @ Curve::Parabola(parabola), rate, .. },
         ) => first_false(&[
             (joins(&along), "place"),
-            (are_offsets(&along, parabola.control(), [0, 1], control), "control"),
+            (are_offsets(parabola.control(), [0, 1], control), "control"),
             (is_feed(rate, feed), "feed"),
         ]),
         (Block::BeginRails { second, feed }, Step::Rail(rail)) => {
@@ -195,6 +253,39 @@ fn difference(
             first_false(&[((seconds * 1000.0 - milliseconds as f64).abs() <= DWELL_AGREEMENT_MS, "dwell")])
         }
         _ => Some("kind"),
+    }
+}
+
+fn is_cut(step: &Step) -> bool {
+    match step {
+        Step::Feed { .. } | Step::Rail(_) => true,
+        Step::Posed(posed) => posed.feed != PosedFeed::Rapid,
+        Step::Rapid { .. } | Step::Dwell { .. } => false,
+    }
+}
+
+/// Whether the smoothing that is read is the smoothing that the job asks for. A tolerance may be smaller by
+/// less than a unit of the control's last decimal.
+fn smooths(read: Option<Smoothing>, job: &ProgramJob) -> bool {
+    let is_tolerance = |read: Option<f64>, asked: Option<f64>, step: f64| match (read, asked) {
+        (Some(read), Some(asked)) => (-SMOOTHING_AGREEMENT..step).contains(&(asked - read)),
+        (None, None) => true,
+        _ => false,
+    };
+    let resolution = job.program.resolution;
+    let step_mm = Resolution { decimals: job.dialect.max_decimals, ..resolution }.step_mm();
+    let step_deg = 10f64.powi(-i32::from(job.dialect.five_axes.angle_decimals));
+    match (read, smoothing::in_force(job)) {
+        (Some(read), Some(asked)) => {
+            // Cycle 32 states a mode with a tolerance of angles: finishing.
+            let states_mode = asked.tolerance_deg.is_some() && asked.mode.is_none();
+            let mode = asked.mode.or(states_mode.then_some(SmoothingMode::Finishing));
+            is_tolerance(read.tolerance_mm, asked.tolerance_mm, step_mm)
+                && is_tolerance(read.tolerance_deg, asked.tolerance_deg, step_deg)
+                && read.mode == mode
+        }
+        (None, None) => true,
+        _ => false,
     }
 }
 

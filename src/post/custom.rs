@@ -277,7 +277,8 @@ fn check_siemens(line: &str) -> Result<Found, Fault> {
     Ok(found)
 }
 
-/// What follows arguments in parentheses, or the text itself without them. Arguments are numbers and strings.
+/// What follows arguments in parentheses, or the text itself without them. Arguments are numbers,
+/// strings, and names that begin with an underscore.
 fn arguments(text: &str) -> Result<&str, Fault> {
     let Some(mut rest) = text.strip_prefix('(') else { return Ok(text) };
     loop {
@@ -285,6 +286,8 @@ fn arguments(text: &str) -> Result<&str, Fault> {
             Some(')') => return Ok(&rest[1..]),
             Some('"') => rest = quoted(rest)?,
             Some(c) if c.is_ascii_digit() || " ,.-+".contains(c) => rest = &rest[1..],
+            // A mode of CYCLE832 by its name.
+            Some('_') => rest = rest[1..].trim_start_matches(|c: char| c.is_ascii_uppercase() || c == '_'),
             _ => return Err(Fault::unreadable(text)),
         }
     }

@@ -6,7 +6,7 @@
 pub use toolpathd_core::toolpath::quantize::{Arcs, Curves, Parabolas};
 
 use toolpathd_core::toolpath::cutting::Coolant;
-use toolpathd_core::toolpath::program::{SafeHome, Units};
+use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode, Units};
 use toolpathd_core::toolpath::tool::Tool;
 
 /// How a program for one control is written.
@@ -32,8 +32,39 @@ pub struct Dialect {
     /// The place where the machine rests between programs, mm. Programs go there first and last. None where a
     /// program may begin anywhere.
     pub rests_at_mm: Option<[f64; 3]>,
+    /// None where the control has no word for smoothing.
+    pub smoothing: Option<SmoothingWords>,
     pub five_axes: FiveAxisWords,
     pub syntax: Syntax,
+}
+
+/// The words for a control's own smoothing, and the values that they take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SmoothingWords {
+    pub form: SmoothingForm,
+    pub takes_tolerance: bool,
+    pub needs_tolerance: bool,
+    pub takes_degrees: bool,
+    pub modes: &'static [SmoothingMode],
+    /// The mode of a program that asks for none, where the word needs one.
+    pub usual_mode: Option<SmoothingMode>,
+    /// The codes, in tenths, by which a shop's own lines choose how closely the control keeps the path.
+    pub own: &'static [i32],
+}
+
+/// The word for smoothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SmoothingForm {
+    /// LinuxCNC: `G64 P`.
+    Blending,
+    /// Siemens: `CYCLE832`.
+    Cycle832,
+    /// Fanuc: `G5.1 Q1`.
+    ContourControl,
+    /// Haas: `G187`.
+    G187,
+    /// Heidenhain: cycle 32.
+    Cycle32,
 }
 
 /// What has read programs of a dialect.
@@ -111,6 +142,10 @@ pub struct Numbers {
     pub max_spindle_rpm: u32,
 }
 
+/// The largest F under G93 of Fanuc and of controls that follow it: the manuals give 9999.999
+/// (B-62764EN, 5.3). The number is whole, so that its word is exact.
+pub const FANUC_INVERSE_TIME: u32 = 9_999;
+
 /// How a control is told the axis of a leaning tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FiveAxisWords {
@@ -121,6 +156,9 @@ pub struct FiveAxisWords {
     /// has no such mode.
     pub angles: Option<TipControl>,
     pub vectors: Option<TipControl>,
+    /// Whether tip control is a switch of the control's kinematics, which only some machines have. Programs
+    /// then state positions, unless a request asks for angles.
+    pub switches_kinematics: bool,
     /// With polynomials of the tip and of a second point on the axis.
     pub rails: Option<TipControl>,
     /// Whether blocks may state the positions of all five axes of the machine, with the time of each block.
@@ -135,9 +173,10 @@ impl FiveAxisWords {
         angle_decimals: 0,
         angles: None,
         vectors: None,
+        switches_kinematics: false,
         rails: None,
         has_positions: false,
-        turns: Turns::InverseTime,
+        turns: Turns::InverseTime { most: FANUC_INVERSE_TIME },
     };
 
     /// All ways in which a program can state the tool axis.
@@ -157,13 +196,15 @@ impl FiveAxisWords {
     }
 }
 
-/// How a program states the tool axis.
+/// How a program states the tool axis. On LinuxCNC `angles` is never the default: it writes M428 and M429,
+/// which have to select the kinematics of the tip and of the axes, as in the sample configurations
+/// `xyzac-trt`, `xyzbc-trt` and `xyzab-tdr`. Other configurations give these codes another meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
 #[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
 pub enum AxisOutput {
-    /// The tip and the angles of the rotary axes (Fanuc: G43.4, Siemens: TRAORI, Heidenhain: TCPM). The
-    /// control keeps the tip on its line.
+    /// The tip and the angles of the rotary axes (Fanuc: G43.4, Siemens: TRAORI, Heidenhain: TCPM, LinuxCNC:
+    /// M428). The control keeps the tip on its line.
     Angles,
     /// The tip and the vector of the tool axis (Fanuc: G43.5, Siemens: A3 B3 C3, Heidenhain: LN).
     Vectors,
@@ -188,8 +229,9 @@ pub struct TipControl {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Turns {
-    /// By the time that the block takes.
-    InverseTime,
+    /// By the time that the block takes: F is one by its minutes, at most `most`. A shorter block takes
+    /// longer than it should.
+    InverseTime { most: u32 },
     /// By a feed in degrees per minute.
     DegreesPerMinute,
 }
@@ -240,6 +282,11 @@ impl Dialect {
         tool.length_offset.or(usual).unwrap_or(tool.places().0)
     }
 
+    /// Whether programs state the raw part, of which the control draws a picture.
+    pub const fn states_blank(&self) -> bool {
+        matches!(self.syntax, Syntax::Klartext)
+    }
+
     /// Whether the name of a program stands beside its number.
     pub fn names_programs_at_their_number(&self) -> bool {
         matches!(self.syntax, Syntax::Iso(iso) | Syntax::Siemens(iso) if iso.program_number.is_some())
@@ -267,7 +314,13 @@ impl Iso {
         machine_zero: &["G53 G0 {Z0}"],
         further_g: &[],
         start: &[],
-        end: &[Frame::SafeHome, Frame::Text("M5"), Frame::Text("M9"), Frame::Text("M30")],
+        end: &[
+            Frame::SmoothingOff,
+            Frame::SafeHome,
+            Frame::Text("M5"),
+            Frame::Text("M9"),
+            Frame::Text("M30"),
+        ],
     };
 }
 
@@ -323,11 +376,16 @@ pub enum Frame {
         mm: &'static str,
         inch: &'static str,
     },
-    /// The words before and after a distance of one unit of the last decimal.
+    /// The words before and after a distance of one unit of the last decimal, or the smoothing that the job
+    /// asks for.
     Blending {
         before: &'static str,
         after: &'static str,
     },
+    /// The smoothing that the job asks for, in a block of its own.
+    Smoothing,
+    /// The end of that smoothing.
+    SmoothingOff,
     WorkOffset,
     /// The move to the machine's end of Z, by the code that the job asks for.
     SafeHome,

@@ -7,6 +7,7 @@ use std::fmt::Write;
 
 use super::dialect::Dialect;
 use super::lower::Lowered;
+use super::posed::Slowed;
 use super::words::{self, FeedWord};
 use super::{AxisOutput, FiveAxes, ProgramJob, WriteError};
 use toolpathd_core::toolpath::cutting::Coolant;
@@ -57,7 +58,7 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     }
     say("SPINDLE", spindle(job));
     if let Some(five) = job.five_axes {
-        say("AXES", axes(&five));
+        say("AXES", axes(&five, job.dialect));
     }
     let measures = measure(toolpath, job.cutting.rapid_feed);
     say("RANGE", range(&measures.bounds, job.cutting.clearance_z_mm, &unit));
@@ -71,6 +72,13 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
         degrees => format!(" AND {:.4} DEGREES", rounded_up(degrees)),
     };
     say("ROUNDING", format!("WITHIN {:.4} MM{axis} OF THE TOOLPATH", rounded_up(lowered.displacement_mm)));
+    if let Slowed { blocks: blocks @ 1.., by_s } = lowered.slowed {
+        let by_s = rounded_up(by_s);
+        say(
+            WARNING,
+            format!("{blocks} BLOCKS UNDER G93 ARE TOO SHORT FOR THE CONTROL AND TAKE {by_s:.3} S LONGER"),
+        );
+    }
     for warning in job.warnings {
         // No control keeps a colon in a comment.
         say(WARNING, warning.replace([':', ';'], " -"));
@@ -159,12 +167,15 @@ fn feeds(toolpath: &Toolpath, job: &ProgramJob) -> Result<String, WriteError> {
 }
 
 /// What coordinates and axis words mean.
-fn axes(five: &FiveAxes) -> String {
+fn axes(five: &FiveAxes, dialect: &Dialect) -> String {
     let machine = five.machine.map_or(String::new(), |machine| {
         let [first, second] = machine.rotary();
         format!(" - {} AND {} OF {}", first.name, second.name, machine.name())
     });
     match five.output {
+        AxisOutput::Angles if dialect.five_axes.switches_kinematics => {
+            format!("TIP OF THE TOOL AND ANGLES BY THE KINEMATICS OF M428{machine}")
+        }
         AxisOutput::Angles => format!("TIP OF THE TOOL AND ANGLES{machine}"),
         AxisOutput::Vectors => "TIP OF THE TOOL AND VECTOR OF ITS AXIS".to_owned(),
         AxisOutput::Rails => "TIP OF THE TOOL AND VECTOR OF ITS AXIS - POLYNOMIALS OF TWO POINTS".to_owned(),

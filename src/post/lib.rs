@@ -17,8 +17,9 @@
 //! * The Frechet distance between the feed moves of the toolpath and those of the program is at most 1.5
 //!   units of the last decimal. Errors do not accumulate, because each end of a move is an absolute
 //!   coordinate, rounded on its own.
-//! * The program moves to the start of the toolpath first in X and Y and then in Z. After the last move it
-//!   retracts to the clearance plane. If the job asks for it, the tool also moves to the machine's end of Z.
+//! * The program turns the rotary axes, and moves to the start of the toolpath first in X and Y and then
+//!   in Z. Where it states vectors, the axes turn on the way. After the last move it retracts to the
+//!   clearance plane. If the job asks for it, the tool also moves to the machine's end of Z.
 //! * A rapid that moves Z together with X or Y becomes two blocks, one for Z and one for X and Y. Upward, the
 //!   block for Z comes first; downward, it comes last.
 //! * User text appears only in comments.
@@ -33,14 +34,17 @@ pub mod read;
 pub mod rewrite;
 
 mod abilities;
+mod blank;
 mod block;
 mod check;
 mod custom;
 mod header;
+mod helix;
 mod lower;
 mod nc;
 mod posed;
 mod rails;
+mod smoothing;
 mod words;
 mod write;
 
@@ -49,7 +53,8 @@ pub use custom::{CustomFault, CustomPart, MAX_LINES, Refused, refused};
 pub use dialect::{AxisOutput, Dialect};
 pub use dialects::{DIALECTS, dialect};
 pub use header::clock;
-pub use posed::FiveAxes;
+pub use posed::{FiveAxes, Slowed};
+pub use smoothing::{OwnSmoothing, own_smoothing};
 
 use nalgebra::Point3;
 use write::Written;
@@ -73,8 +78,7 @@ const BLOCKS_BETWEEN_CHECKS: usize = 1024;
 #[derive(Debug, Clone, Copy)]
 pub struct ProgramJob<'a> {
     pub program: &'a Program,
-    /// Without a tool the program calls tool 1 with length offset 1, and its header says nothing about the
-    /// tool.
+    /// Without a tool the program calls the tool `called`, and its header says nothing about the tool.
     pub tool: Option<&'a Tool>,
     pub cutting: &'a Cutting,
     pub dialect: &'a Dialect,
@@ -84,12 +88,23 @@ pub struct ProgramJob<'a> {
     pub warnings: &'a [String],
     /// How the axis of a leaning tool is written. `None` for a toolpath whose axis is straight up.
     pub five_axes: Option<FiveAxes<'a>>,
+    /// The number of the tool that is called where no tool is described. Default: 1.
+    pub called: Option<u32>,
 }
 
 impl<'a> ProgramJob<'a> {
     /// A job of an upright tool that the program does not describe, without comments and warnings.
     pub const fn plain(program: &'a Program, cutting: &'a Cutting, dialect: &'a Dialect) -> Self {
-        Self { program, tool: None, cutting, dialect, comments: &[], warnings: &[], five_axes: None }
+        Self {
+            program,
+            tool: None,
+            cutting,
+            dialect,
+            comments: &[],
+            warnings: &[],
+            five_axes: None,
+            called: None,
+        }
     }
 
     /// The rotary axes in the order of their letters: each letter, and the place of its angle in a block.
@@ -119,6 +134,7 @@ pub struct NcProgram {
     pub max_radius_mismatch_mm: f64,
     /// Blocks of motion and dwell.
     pub blocks: usize,
+    pub slowed: Slowed,
 }
 
 /// Why a program is not written.
@@ -144,6 +160,12 @@ pub enum WriteError {
     Missing(#[from] Missing),
     #[error(transparent)]
     Custom(#[from] Refused),
+    #[error(transparent)]
+    SmoothedTwice(#[from] OwnSmoothing),
+    #[error(
+        "the tolerance {tolerance} of the smoothing is zero in the decimals of the control; choose a larger one"
+    )]
+    SmallTolerance { tolerance: f64 },
     #[error("the dialect has no word for a dwell; leave dwells out, or choose another dialect")]
     NoDwells,
     #[error("the control does not read a spindle speed of {rpm} rpm; choose another speed")]
@@ -196,6 +218,11 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
     if let Some(first) = refused(job.dialect, &job.program.custom).into_iter().next() {
         return Err(first.into());
     }
+    if let Some(own) = own_smoothing(job.dialect, &job.program.custom)
+        && job.program.smoothing.is_some()
+    {
+        return Err(own.into());
+    }
     let grid = Grid::new(resolution);
     let lowered = lower::lower(toolpath, job, budget)?;
     let remarks = header::remarks(toolpath, &lowered, job)?;
@@ -208,6 +235,7 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
         max_displacement_axis: lowered.displacement_axis,
         max_radius_mismatch_mm,
         blocks: blocks.len(),
+        slowed: lowered.slowed,
     })
 }
 

@@ -1,15 +1,17 @@
 //! Turns a toolpath into blocks with integer coordinates, in the order of the program.
 
-use nalgebra::Point3;
+use nalgebra::{Point2, Point3};
 
 use super::block::{Block, Blocks};
-use super::dialect::Dialect;
-use super::posed::{self, Posed};
+use super::dialect::{Arcs, Dialect};
+use super::helix;
+use super::posed::{self, Posed, Slowed};
 use super::rails::RailWords;
-use super::words;
+use super::words::{self, FeedWord};
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
 use toolpathd_core::budget::Budget;
-use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::geometry::curve::{Curve, Direction};
+use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::path::{Move, Role};
 use toolpathd_core::toolpath::program::Resolution;
@@ -28,14 +30,15 @@ pub struct Lowered {
     pub displacement_axis: f64,
     /// How much longer the blocks take than the moves they stand for, s.
     pub delay_s: f64,
+    pub slowed: Slowed,
 }
 
 /// The blocks of the approach, of every move and of the retract.
 pub fn lower(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Lowered, WriteError> {
     if let Some(five) = job.five_axes {
-        let Posed { blocks, rails, displacement_mm, displacement_axis, delay_s } =
+        let Posed { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed } =
             posed::lower(toolpath, &five, job, budget)?;
-        return Ok(Lowered { blocks, rails, displacement_mm, displacement_axis, delay_s });
+        return Ok(Lowered { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed });
     }
     if !toolpath.is_upright() {
         return Err(WriteError::MachineMissing);
@@ -56,6 +59,7 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
         grid,
         dialect: job.dialect,
         at,
+        off_grid: None,
         blocks: Blocks::default(),
         displacement_mm: 0.0,
     };
@@ -88,6 +92,7 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
         displacement_mm,
         displacement_axis: 0.0,
         delay_s: 0.0,
+        slowed: Slowed::default(),
     })
 }
 
@@ -118,6 +123,8 @@ struct Lowering<'a> {
     /// The place where the machine rests between programs.
     rest: Option<[i64; 3]>,
     at: [i64; 3],
+    /// Where the tool really is in X and Y, mm, behind a helix.
+    off_grid: Option<Point2<f64>>,
     blocks: Blocks,
     displacement_mm: f64,
 }
@@ -156,9 +163,10 @@ impl Lowering<'_> {
     fn rapid(&mut self, to: &Point3<f64>) -> Result<(), WriteError> {
         let [x, y, z] = self.grid.round(to)?;
         let [from_x, from_y, from_z] = self.at;
-        let changed = |from: i64, to: i64| (from != to).then_some(to);
-        let across = Block::Rapid { to: [changed(from_x, x), changed(from_y, y), None] };
-        let along_z = Block::Rapid { to: [None, None, changed(from_z, z)] };
+        let is_off = self.off_grid.take().is_some();
+        let across = |from: i64, to: i64| (from != to || is_off).then_some(to);
+        let across = Block::Rapid { to: [across(from_x, x), across(from_y, y), None] };
+        let along_z = Block::Rapid { to: [None, None, (from_z != z).then_some(z)] };
         let order = if z > from_z { [along_z, across] } else { [across, along_z] };
         for block in order {
             if block != (Block::Rapid { to: [None; 3] }) {
@@ -173,7 +181,16 @@ impl Lowering<'_> {
         let feed = words::feed(rate, self.resolution.units, &self.dialect.numbers)?;
         let rounded = quantize::round(along, self.resolution, &self.dialect.curves)?;
         self.displacement_mm = self.displacement_mm.max(rounded.displacement_mm);
-        for Written { curve, end_units: to, form, .. } in rounded.curves {
+        for Written { curve, end_units: to, form, displacement_mm, .. } in rounded.curves {
+            if let (Curve::Arc(arc), Form::Arc { center }) = (curve, form) {
+                let is_helix = arc.plane() == Plane::Xy && to[2] != self.at[2];
+                if self.dialect.curves.arcs == Arcs::WithHelicesAboutZ && is_helix {
+                    self.helix(arc.direction(), to, center, (feed, role), displacement_mm)?;
+                    continue;
+                }
+                self.back_to_grid(feed, role)?;
+            }
+            self.off_grid = None;
             self.blocks.push(match (curve, form) {
                 (Curve::Arc(arc), Form::Arc { center }) => {
                     Block::Arc { plane: arc.plane(), direction: arc.direction(), to, center, feed }
@@ -184,5 +201,40 @@ impl Lowering<'_> {
             self.at = to;
         }
         Ok(())
+    }
+
+    /// A helix about Z, which turns from where the tool is. `displacement_mm` bounds how far rounding
+    /// moves the helix between points of the grid.
+    fn helix(
+        &mut self,
+        direction: Direction,
+        to: [i64; 3],
+        center: [i64; 2],
+        (feed, role): (FeedWord, Role),
+        displacement_mm: f64,
+    ) -> Result<(), WriteError> {
+        let place = |x: i64, y: i64| Point2::new(self.grid.mm(x), self.grid.mm(y));
+        let ends = [place(self.at[0], self.at[1]), place(to[0], to[1])];
+        let about = place(self.at[0] + center[0], self.at[1] + center[1]);
+        let mut turn = helix::turn(self.off_grid.unwrap_or(ends[0]), ends, about, direction);
+        let step_mm = self.grid.step_mm();
+        if displacement_mm + turn.apart_mm > quantize::MAX_DISPLACEMENT_STEPS * step_mm {
+            self.back_to_grid(feed, role)?;
+            turn = helix::turn(ends[0], ends, about, direction);
+        }
+        self.blocks.push(Block::Helix { direction, to, center, angle: turn.angle, feed })?;
+        self.displacement_mm = self.displacement_mm.max(displacement_mm + turn.apart_mm);
+        self.at = to;
+        self.off_grid = Some(turn.end);
+        Ok(())
+    }
+
+    /// Goes to the point of the grid at or beside which a helix has ended. A full circle ends where it
+    /// starts: behind a helix, no control would know that its end is there.
+    fn back_to_grid(&mut self, feed: FeedWord, role: Role) -> Result<(), WriteError> {
+        match self.off_grid.take() {
+            Some(_) => self.blocks.push(Block::Line { to: self.at, feed, role }),
+            None => Ok(()),
+        }
     }
 }

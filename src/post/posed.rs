@@ -20,12 +20,14 @@
 //! O(n) for n blocks.
 
 mod legs;
+mod slowed;
 
 use nalgebra::Point3;
 
 use self::legs::{Leg, LegTime, Legs};
+pub use self::slowed::Slowed;
 use super::block::{AxisWords, Block, BlockFeed, Blocks};
-use super::dialect::{AxisOutput, Numbers, Turns};
+use super::dialect::{AxisOutput, Turns};
 use super::rails::{self, FineGrid, RailWords, Rounded};
 use super::words::{self, FeedWord};
 use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
@@ -51,7 +53,7 @@ pub struct FiveAxes<'a> {
 /// The decimals of a component of a vector.
 pub const VECTOR_DECIMALS: u8 = 7;
 
-/// The shortest time of a block, s.
+/// The shortest time of a turn, s, so that its feed in degrees per minute is a number.
 const SHORTEST_S: f64 = 1e-4;
 
 /// Halvings of one motion, at most. Each divides the straying by four.
@@ -64,8 +66,9 @@ pub struct Posed {
     pub displacement_mm: f64,
     /// Radians.
     pub displacement_axis: f64,
-    /// How much longer the rails take than their moves, s.
+    /// How much longer the blocks take than their moves, s.
     pub delay_s: f64,
+    pub slowed: Slowed,
 }
 
 /// # Errors
@@ -96,6 +99,7 @@ pub fn lower(
         blocks: Blocks::default(),
         displacement_mm: 0.0,
         displacement_axis: 0.0,
+        slowed: Slowed::default(),
     };
     let joints_at = |k: usize| joints.as_ref().map(|joints| joints[k]);
     let clearance = grid.units(job.cutting.clearance_z_mm)?;
@@ -121,8 +125,9 @@ pub fn lower(
         from = leg.to;
     }
     lowering.retract(clearance)?;
-    let Lowering { blocks, rails, displacement_mm, displacement_axis, .. } = lowering;
-    Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis, delay_s })
+    let Lowering { blocks, rails, displacement_mm, displacement_axis, slowed, .. } = lowering;
+    let delay_s = delay_s + slowed.by_s;
+    Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis, delay_s, slowed })
 }
 
 /// The positions at the start and at the end of each motion.
@@ -148,10 +153,17 @@ struct Lowering<'a> {
     blocks: Blocks,
     displacement_mm: f64,
     displacement_axis: f64,
+    slowed: Slowed,
 }
 
 impl Lowering<'_> {
-    /// Turns the rotary axes where the tool was changed, then brings the tip to the start.
+    /// Brings the tip from the tool change to the start: turns the rotary axes where the tool was
+    /// changed, goes across at that height, then down.
+    ///
+    /// Where angles are written, the linear axes go across before tip control begins. Tip control then
+    /// moves along the machine's Z alone: a way across in the frame of a tilted table would lead down.
+    /// Where vectors are written, the angles are the control's choice, so the tip goes across under tip
+    /// control.
     fn approach(
         &mut self,
         start: &Pose,
@@ -160,18 +172,33 @@ impl Lowering<'_> {
     ) -> Result<(), WriteError> {
         (self.at, self.axis) = self.rounded(start, joints)?;
         let [x, y, z] = self.at;
-        if let AxisWords::Angles(angles) = self.axis {
-            self.blocks.push(Block::Rotate { angles })?;
-        }
         if self.five.output == AxisOutput::Machine {
-            self.blocks.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
-            return self.blocks.push(Block::Rapid { to: [None, None, Some(z)] });
+            return self.go_across(self.axis, self.at, Block::Rapid { to: [None, None, Some(z)] });
         }
-        self.blocks.push(Block::BeginTipControl { to: [x, y, z.max(clearance)], axis: self.axis })?;
+        let above = [x, y, z.max(clearance)];
+        if let (Some(machine), Some(joints)) = (self.five.machine, joints) {
+            let axes = machine.at(&self.grid.point(above), joints.rotary);
+            let over = self.grid.round(&axes.linear_mm.into())?;
+            let begins = Block::BeginTipControl { to: above.map(Some), axis: self.axis };
+            self.go_across(self.axis, over, begins)?;
+        } else {
+            self.blocks.push(Block::BeginTipControl { to: [Some(x), Some(y), None], axis: self.axis })?;
+            self.blocks.push(Block::Posed { to: above, axis: self.axis, feed: BlockFeed::Rapid })?;
+        }
         if z < clearance {
             self.blocks.push(Block::Posed { to: self.at, axis: self.axis, feed: BlockFeed::Rapid })?;
         }
         Ok(())
+    }
+
+    /// Turns the rotary axes, goes across to `over` in the positions of the linear axes, and down with
+    /// `down`.
+    fn go_across(&mut self, axis: AxisWords, over: [i64; 3], down: Block) -> Result<(), WriteError> {
+        if let AxisWords::Angles(angles) = axis {
+            self.blocks.push(Block::Rotate { angles })?;
+        }
+        self.blocks.push(Block::Rapid { to: [Some(over[0]), Some(over[1]), None] })?;
+        self.blocks.push(down)
     }
 
     /// A motion along a rail.
@@ -217,26 +244,39 @@ impl Lowering<'_> {
         time: LegTime,
         halvings: u32,
     ) -> Result<(), WriteError> {
-        let ([Some(first), Some(last)], Some(machine)) = (joints, self.five.machine) else {
-            return self.block([from, to], joints[1], time);
+        let strays = match joints {
+            [Some(first), Some(last)] => {
+                let (straying, allowed) = (self.straying(&first, &last), self.five.allowed);
+                straying.tip_mm > allowed.tip_mm || straying.axis > allowed.axis
+            }
+            _ => false,
         };
-        let straying = self.straying(&first, &last);
-        let allowed = self.five.allowed;
-        if straying.tip_mm <= allowed.tip_mm && straying.axis <= allowed.axis {
+        let is_long = self.has_time() && time.seconds(from, to) > slowed::LONGEST_S;
+        if !strays && (!is_long || halvings == 0) {
             return self.block([from, to], joints[1], time);
         }
         if halvings == 0 {
             return Err(WriteError::NearPole { at: from.tip });
         }
         let middle = from.between(to, 0.5);
-        let near = [0, 1].map(|k| 0.5 * (first.rotary[k] + last.rotary[k]));
-        let there = machine.nearest(&middle, near);
+        let there = match (joints, self.five.machine) {
+            ([Some(first), Some(last)], Some(machine)) => {
+                let near = [0, 1].map(|k| 0.5 * (first.rotary[k] + last.rotary[k]));
+                Some(machine.nearest(&middle, near))
+            }
+            _ => None,
+        };
         let half = match time {
             LegTime::Seconds(seconds) => LegTime::Seconds(0.5 * seconds),
             time => time,
         };
-        self.motion([from, &middle], [Some(first), Some(there)], half, halvings - 1)?;
-        self.motion([&middle, to], [Some(there), Some(last)], half, halvings - 1)
+        self.motion([from, &middle], [joints[0], there], half, halvings - 1)?;
+        self.motion([&middle, to], [there, joints[1]], half, halvings - 1)
+    }
+
+    /// Whether blocks may state their time.
+    fn has_time(&self) -> bool {
+        matches!(self.job.dialect.five_axes.turns, Turns::InverseTime { .. })
     }
 
     /// How far the tool strays between two positions.
@@ -266,12 +306,7 @@ impl Lowering<'_> {
         };
         self.displacement_mm = self.displacement_mm.max(off.tip_mm + straying.tip_mm);
         self.displacement_axis = self.displacement_axis.max(off.axis + straying.axis);
-        let length = (to.tip - from.tip).norm();
-        let seconds = self.owed_s
-            + match time {
-                LegTime::Feed(rate) => length / rate.mm_per_s(),
-                LegTime::Seconds(seconds) | LegTime::Dwell(seconds) => seconds,
-            };
+        let seconds = self.owed_s + time.seconds(from, to);
         if (at, axis) == (self.at, self.axis) {
             self.owed_s = seconds;
             return Ok(());
@@ -285,8 +320,9 @@ impl Lowering<'_> {
                 words::feed(rate, self.job.program.resolution.units, &self.job.dialect.numbers)?,
             ),
             _ => match self.job.dialect.five_axes.turns {
-                Turns::InverseTime => {
-                    BlockFeed::InverseTime(inverse_time(seconds, &self.job.dialect.numbers)?)
+                Turns::InverseTime { most } => {
+                    let numbers = &self.job.dialect.numbers;
+                    BlockFeed::InverseTime(self.slowed.inverse_time(seconds, most, numbers)?)
                 }
                 Turns::DegreesPerMinute => BlockFeed::DegreesPerMinute(self.turning(was, axis, seconds)?),
             },
@@ -360,10 +396,4 @@ impl Lowering<'_> {
 /// The tool axis that a written vector states.
 fn axis_of(parts: [i64; 3]) -> nalgebra::UnitVector3<f64> {
     nalgebra::Unit::new_normalize(nalgebra::Vector3::from(parts.map(|units| units as f64)))
-}
-
-/// The F word of a block under G93: one by its minutes.
-fn inverse_time(seconds: f64, numbers: &Numbers) -> Result<FeedWord, WriteError> {
-    // The F word of no time would be infinite.
-    words::per_minute(60.0 / seconds.max(SHORTEST_S), numbers).ok_or(WriteError::InverseTime { seconds })
 }

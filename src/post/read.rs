@@ -28,6 +28,7 @@ pub use self::posed::{Posed, PosedFeed, ROTARY, RailStep, TipMode};
 use super::dialect::{Dialect, Syntax};
 pub use super::nc::Fault;
 use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::toolpath::program::Smoothing;
 use toolpathd_core::toolpath::units::FeedRate;
 
 /// The effect of one block.
@@ -88,6 +89,16 @@ trait Language {
     /// Takes a line that is not read. It may set every mode and move anywhere.
     fn pass(&mut self);
 
+    /// The smoothing in force. None where no word has chosen one that is read.
+    fn smoothing(&self) -> Option<Smoothing> {
+        None
+    }
+
+    /// The lowest and the highest corner of the raw part, mm. None where the program has stated none.
+    fn blank(&self) -> Option<[Point3<f64>; 2]> {
+        None
+    }
+
     /// Whether the text may end here.
     fn end(&self) -> Result<(), Fault>;
 }
@@ -102,6 +113,16 @@ impl<'a> Reader<'a> {
             Syntax::Deckel => Box::new(deckel::Reader::new(dialect, mismatch_limit_mm)),
         };
         Self { lines: text.lines().enumerate(), language, passed: &[], line: 0, is_over: false }
+    }
+
+    /// The smoothing of the control at the last step. None where no word has chosen one that is read.
+    pub fn smoothing(&self) -> Option<Smoothing> {
+        self.language.smoothing()
+    }
+
+    /// The lowest and the highest corner of the raw part, mm. None where no line has stated them.
+    pub fn blank(&self) -> Option<[Point3<f64>; 2]> {
+        self.language.blank()
     }
 
     /// Does not read the lines at these places.

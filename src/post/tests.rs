@@ -18,13 +18,18 @@ use toolpathd_core::toolpath::tool::Shape;
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{Builder, Role};
 
+mod approach;
+mod blank;
 mod custom;
 mod deckel;
 mod dialects;
 mod golden;
+mod helices;
+mod inverse_time;
 mod parabolas;
 mod posed;
 mod rails;
+mod smoothing;
 mod wrong_words;
 
 const MM: Resolution = Resolution { units: Units::Mm, decimals: 3 };
@@ -68,8 +73,16 @@ fn written_in(
     comments: &[String],
 ) -> Result<NcProgram, WriteError> {
     let warnings = &[WARNING.to_owned()];
-    let job =
-        ProgramJob { program, tool: Some(&TOOL), cutting, dialect, comments, warnings, five_axes: None };
+    let job = ProgramJob {
+        program,
+        tool: Some(&TOOL),
+        cutting,
+        dialect,
+        comments,
+        warnings,
+        five_axes: None,
+        called: None,
+    };
     write(toolpath, &job, &Budget::unlimited())
 }
 

@@ -31,9 +31,13 @@ pub fn text(lowered: &Lowered, remarks: &[Remark], job: &ProgramJob) -> Result<W
 
 /// The numbers of the tool and of its length offset.
 fn tool_of(job: &ProgramJob) -> (u32, u32) {
-    job.tool.map_or((DEFAULT_NUMBER, DEFAULT_NUMBER), |tool| {
-        (tool.places().0, job.dialect.length_offset_of(tool))
-    })
+    if let Some(tool) = job.tool {
+        return (tool.places().0, job.dialect.length_offset_of(tool));
+    }
+    // A text that calls a tool by its number describes no cutter, and tool 1 would be another one.
+    let number = job.called.unwrap_or(DEFAULT_NUMBER);
+    let usual = job.dialect.abilities.length_offsets.and_then(|offsets| offsets.usual);
+    (number, usual.unwrap_or(number))
 }
 
 /// The number of the program, where the dialect has one.

@@ -18,5 +18,6 @@ mod negotiation;
 mod operation;
 mod programs;
 mod shutdown;
+mod smoothing;
 pub mod support;
 mod sweeps;

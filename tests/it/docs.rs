@@ -3,6 +3,7 @@
 mod codes;
 mod curl;
 mod examples;
+mod five_axis_words;
 mod links;
 mod operations;
 mod page;

@@ -149,7 +149,7 @@ struct Rails {
 ///     let axis = UnitVector3::new_normalize(Vector3::new(lean.sin(), 0.0, lean.cos()));
 ///     Pose { tip: Point3::new(100.0 * part, 0.0, 0.0), axis }
 /// };
-/// let path = (0..=10).map(|k| Waypoint { pose: pose(f64::from(k) / 10.0), pace }).collect();
+/// let path = (0..=10).map(|k| Waypoint::new(pose(f64::from(k) / 10.0), pace)).collect();
 /// let plan = plan(&Job::new(path, 0.01, 0.1_f64.to_radians()), &Budget::unlimited()).unwrap();
 /// assert!(plan.report.within_tolerance);
 /// assert!((plan.report.length_mm - 100.0).abs() < 0.01 && (plan.report.cycle_time_s - 2.0).abs() < 0.01);
@@ -175,7 +175,10 @@ fn plan_past_poles(job: &Job, may_cross: bool, budget: &Budget) -> Result<Plan, 
     // No motion within limits is faster.
     job.period_s(motion.duration_s())?;
     let machine = job.machine.as_ref();
-    let drive = job.limits.as_ref().map(|limits| Drive::new(&rails.rail, machine, limits, budget));
+    let drive = job
+        .limits
+        .as_ref()
+        .map(|limits| Drive::new(&rails.rail, machine.map(|own| (own, job.start())), limits, budget));
     let drive = drive.transpose()?;
     let period_s = job.period_s(drive.as_ref().map_or(motion.duration_s(), Drive::duration_s))?;
     let samples = match &drive {
@@ -305,7 +308,7 @@ fn at_feed(
 ) -> Result<Vec<TimedPose>, FiveAxisError> {
     let samples = motion.samples(period_s, budget)?;
     let followed = job.machine.as_ref().map(|machine| {
-        let stations = resolved(rail, machine, budget)?;
+        let stations = resolved(rail, machine, job.start(), budget)?;
         Ok::<_, FiveAxisError>((machine, stations))
     });
     let followed = followed.transpose()?;

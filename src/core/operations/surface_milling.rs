@@ -41,7 +41,7 @@ mod rest;
 mod scallop;
 mod wire_union;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::any_surface::AnySurface;
@@ -51,6 +51,7 @@ use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::offset_section::SectionError;
 use crate::machining::regularity::Irregular;
 use crate::toolpath::cutting::{Cutting, HeightError};
+use crate::toolpath::program::Blank;
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::units::rounded_up;
 use crate::toolpath::{PathError, Toolpath};
@@ -268,6 +269,42 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         AnySurface::Rational(surface) => plan_on(surface, job, budget),
         AnySurface::HighDegree(surface) => plan_on(surface, job, budget),
     }
+}
+
+/// How far the box of the raw part reaches below the surface, mm. Without this floor, a picture of the
+/// control would show holes where the surface is lowest.
+const FLOOR_MM: f64 = 1.0;
+
+/// The box around the surface and the stock over it. `None` without stock.
+///
+/// # Errors
+/// When the data make no surface, and the budget's stop.
+pub fn blank(job: &Job, budget: &Budget) -> Result<Option<Blank>, Error> {
+    match job.surface.surface()? {
+        AnySurface::Bicubic(surface) => blank_of(&surface, job, budget),
+        AnySurface::Rational(surface) => blank_of(&surface, job, budget),
+        AnySurface::HighDegree(surface) => blank_of(&surface, job, budget),
+    }
+}
+
+fn blank_of<P: Patch>(
+    surface: &BezierSurface<P>,
+    job: &Job,
+    budget: &Budget,
+) -> Result<Option<Blank>, Error> {
+    let Some(stock) = job.stock else { return Ok(None) };
+    let farthest = |along: Vector3<f64>| surface.farthest_along(&along, job.resolution.step_mm(), budget);
+    let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let high = Point3::new(farthest(x)?, farthest(y)?, farthest(z)?);
+    let low = Point3::new(-farthest(-x)?, -farthest(-y)?, -farthest(-z)?);
+    // A block is known by its top alone; a layer stands on all sides.
+    let across = match stock {
+        Stock::Block { .. } => 0.0,
+        Stock::OnSurface { thickness_mm } => job.allowance_mm + thickness_mm,
+    };
+    let across = Vector3::new(across, across, 0.0);
+    let high = Point3::new(high.x, high.y, job.top(high.z));
+    Ok(Some(Blank { low: low - across - z * FLOOR_MM, high: high + across }))
 }
 
 fn plan_on<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {

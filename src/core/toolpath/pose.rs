@@ -36,4 +36,14 @@ pub enum Pace {
 pub struct Waypoint {
     pub pose: Pose,
     pub pace: Pace,
+    /// The positions of the two rotary axes of the machine, radians, where a program states both. They may
+    /// count turns.
+    pub rotary: Option<[f64; 2]>,
+}
+
+impl Waypoint {
+    /// A waypoint whose rotary axes may stand anywhere.
+    pub const fn new(pose: Pose, pace: Pace) -> Self {
+        Self { pose, pace, rotary: None }
+    }
 }

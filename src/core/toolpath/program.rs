@@ -1,5 +1,7 @@
 //! How a program is to be written: its units, its decimals, its number and its name.
 
+use nalgebra::Point3;
+
 /// Units of a written program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
@@ -35,8 +37,37 @@ impl Resolution {
     }
 }
 
+/// How a control may leave the written path to run it faster. What is absent is the control's choice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smoothing {
+    /// Of the path.
+    pub tolerance_mm: Option<f64>,
+    /// Of the angles of the rotary axes.
+    pub tolerance_deg: Option<f64>,
+    pub mode: Option<SmoothingMode>,
+}
+
+/// What the program is for: a control is set up for each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
+#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
+pub enum SmoothingMode {
+    /// Speed counts most.
+    Roughing,
+    SemiFinishing,
+    /// The form counts most.
+    Finishing,
+}
+
+/// The raw part as a box, mm. Controls draw it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blank {
+    pub low: Point3<f64>,
+    pub high: Point3<f64>,
+}
+
 /// Everything that a program states besides its moves.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Program {
     pub resolution: Resolution,
     pub number: u32,
@@ -46,6 +77,10 @@ pub struct Program {
     /// 54..=59, written as G54 to G59.
     pub work_offset: Option<u8>,
     pub safe_home: SafeHome,
+    /// Without it the program keeps the path as closely as its dialect can say.
+    pub smoothing: Option<Smoothing>,
+    /// None where it is not known, or the dialect has no word for it.
+    pub blank: Option<Blank>,
     pub custom: Custom,
 }
 
@@ -59,6 +94,8 @@ impl Program {
             block_numbers: false,
             work_offset: None,
             safe_home: SafeHome::None,
+            smoothing: None,
+            blank: None,
             custom: Custom { header: Vec::new(), tool_change: Vec::new(), footer: Vec::new() },
         }
     }

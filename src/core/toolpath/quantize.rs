@@ -37,6 +37,7 @@ use nalgebra::Point3;
 
 use super::program::Resolution;
 use crate::geometry::curve::{Arc, Curve, Line};
+use crate::geometry::plane::Plane;
 
 /// Largest distance between a written curve and its source, in units of the last decimal.
 pub const MAX_DISPLACEMENT_STEPS: f64 = 1.5;
@@ -66,6 +67,12 @@ const MAX_UNITS: f64 = 1e15;
 /// Largest bound that is accepted, in steps. The rest is for lengths that were themselves computed with
 /// rounding.
 const ACCEPTED_STEPS: f64 = MAX_DISPLACEMENT_STEPS - 0.01;
+
+/// Half a unit of the angle of a helix, radians: controls read ten-thousandths of a degree.
+const HELIX_ANGLE: f64 = 0.5e-4 * std::f64::consts::PI / 180.0;
+
+/// How far rounding the angle may move the end of a helix, in steps. A helix of larger radius becomes chords.
+const HELIX_STEPS: f64 = 0.25;
 
 /// One curve as it will be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,16 +125,27 @@ impl Curves {
         Self { arcs: Arcs::WithHelices, parabolas: Parabolas::AsLines, radius_mismatch_mm: 0.015 };
 
     /// Whether the control runs `arc` as an arc.
-    fn run(&self, arc: &Arc) -> bool {
+    fn run(&self, arc: &Arc, step_mm: f64) -> bool {
         match self.arcs {
             Arcs::AsLines => false,
-            Arcs::Flat => {
-                let [_, _, normal] = arc.plane().axes();
-                arc.start()[normal] == arc.end()[normal]
+            Arcs::WithHelicesAboutZ => {
+                let is_exact = arc.radius() * HELIX_ANGLE <= HELIX_STEPS * step_mm;
+                !is_helix(arc) || arc.plane() == Plane::Xy && is_exact
             }
             Arcs::WithHelices => true,
         }
     }
+
+    /// How much of [`ACCEPTED_STEPS`] the angle of a written arc needs, in steps.
+    fn reserved_steps(&self, arc: &Arc) -> f64 {
+        let states_angle = self.arcs == Arcs::WithHelicesAboutZ && is_helix(arc);
+        if states_angle { HELIX_STEPS } else { 0.0 }
+    }
+}
+
+fn is_helix(arc: &Arc) -> bool {
+    let [_, _, normal] = arc.plane().axes();
+    arc.start()[normal] != arc.end()[normal]
 }
 
 /// The arcs that a dialect writes as arcs.
@@ -136,8 +154,9 @@ impl Curves {
 pub enum Arcs {
     /// No arcs: all become lines.
     AsLines,
-    /// Arcs in the planes XY, ZX and YZ, and no helices.
-    Flat,
+    /// Arcs in the planes XY, ZX and YZ, and helices about Z, of which a block states the angle instead of
+    /// the end.
+    WithHelicesAboutZ,
     /// Arcs in the planes XY, ZX and YZ, and helices.
     WithHelices,
 }
@@ -322,10 +341,13 @@ impl Output<'_> {
             }
             if piece.sweep() <= std::f64::consts::PI && piece.sagitta() < MIN_SAGITTA_STEPS * step {
                 self.line(&piece.start(), &piece.end(), piece.chord_distance())?;
-            } else if !self.runs.run(arc) || arc.radius() > MAX_RADIUS_MM || arc.radius() < LEAST_RADIUS_MM {
+            } else if !self.runs.run(arc, step)
+                || arc.radius() > MAX_RADIUS_MM
+                || arc.radius() < LEAST_RADIUS_MM
+            {
                 self.chords(&piece)?;
             } else {
-                match candidate::best(&piece, &self.grid, self.runs.radius_mismatch_mm)? {
+                match candidate::best(&piece, &self.grid, self.runs)? {
                     Some(block) if block.is_too_small() => self.chords(&piece)?,
                     Some(block) => self.push(block),
                     None => {

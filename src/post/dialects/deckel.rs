@@ -37,6 +37,7 @@ pub const DECKEL: Dialect = Dialect {
         ..Abilities::USUAL
     },
     rests_at_mm: Some([0.0, 0.0, 100.0]),
+    smoothing: None,
     five_axes: FiveAxisWords::NONE,
     syntax: Syntax::Deckel,
 };

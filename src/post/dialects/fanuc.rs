@@ -12,9 +12,10 @@
 //!   G5.1 (contour control).
 
 use crate::dialect::{
-    Abilities, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, ProgramNumber, Syntax,
+    Abilities, Curves, Dialect, Dwell, FANUC_INVERSE_TIME, FiveAxisWords, Frame, Iso, Numbers, Point, ProgramNumber, SmoothingForm, SmoothingWords, Syntax,
     TipControl, Turns, Verification,
 };
+use toolpathd_core::toolpath::program::SmoothingMode;
 
 pub const FANUC: Dialect = Dialect {
     name: "fanuc",
@@ -33,14 +34,25 @@ pub const FANUC: Dialect = Dialect {
     curves: Curves::ARCS,
     abilities: Abilities::USUAL,
     rests_at_mm: None,
+    smoothing: Some(SmoothingWords {
+        form: SmoothingForm::ContourControl,
+        // A parameter of the control has the tolerance.
+        takes_tolerance: false,
+        needs_tolerance: false,
+        takes_degrees: false,
+        modes: &[SmoothingMode::Roughing, SmoothingMode::SemiFinishing, SmoothingMode::Finishing],
+        usual_mode: None,
+        own: &[50, 51, 80],
+    }),
     five_axes: FiveAxisWords {
         // IS-C. A control with IS-B rounds to three decimals.
         angle_decimals: 4,
         angles: Some(TipControl { words: Some("G43.4 H{offset}"), ..TIP_CONTROL }),
         vectors: Some(TipControl { words: Some("G43.5 H{offset}"), ..TIP_CONTROL }),
         has_positions: true,
+        switches_kinematics: false,
         rails: None,
-        turns: Turns::InverseTime,
+        turns: Turns::InverseTime { most: FANUC_INVERSE_TIME },
     },
     syntax: Syntax::Iso(WORDS),
 };
@@ -64,6 +76,7 @@ pub const WORDS: Iso = Iso {
         Frame::ToolChange,
         Frame::SpindleOn,
         Frame::CoolantOn,
+        Frame::Smoothing,
         Frame::LengthOffsetInFirstMotionAlongZ,
     ],
     ..Iso::USUAL

@@ -28,6 +28,7 @@ pub const GRBL: Dialect = Dialect {
     curves: Curves { radius_mismatch_mm: 0.004, ..Curves::ARCS },
     abilities: Abilities { coolants: &[Coolant::Off, Coolant::Flood], length_offsets: None, ..Abilities::USUAL },
     rests_at_mm: None,
+    smoothing: None,
     five_axes: FiveAxisWords::NONE,
     syntax: Syntax::Iso(Iso {
         tool_change: "",

@@ -1,16 +1,19 @@
 //! Heidenhain Klartext (conversational): iTNC 530, TNC 620, TNC 640, TNC7.
 //!
 //! * Arcs lie in any of the three planes: CC states the centre, C the end. DR+ turns as G3 does.
+//! * CP states a helix about Z by the angle that it turns (IPA, in ten-thousandths of a degree) and its
+//!   rise (IZ). It ends beside the point of the toolpath by what rounding has moved; the next block states
+//!   X and Y.
 //! * In a program in inches, F counts tenths of an inch per minute.
 //! * The feed of a turn about a resting tip is in degrees per minute.
 //! * G54 to G59 are the rows 1 to 6 of the table of presets.
 //! * The move to zero of the machine's coordinates is `M91`; there is no move to a reference point.
 
 use crate::dialect::{
-    Abilities, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, Syntax, TipControl, Turns, Verification,
+    Abilities, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, SmoothingForm, SmoothingWords, Syntax, TipControl, Turns, Verification,
 };
 use toolpathd_core::toolpath::cutting::Coolant;
-use toolpathd_core::toolpath::program::SafeHome;
+use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode};
 
 pub const HEIDENHAIN: Dialect = Dialect {
     name: "heidenhain",
@@ -24,7 +27,7 @@ pub const HEIDENHAIN: Dialect = Dialect {
     default_decimals_inch: 4,
     max_decimals: 4,
     numbers: Numbers { point: Point::WhereNeeded, max_digits: 9, max_whole_digits: 5, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
-    curves: Curves { arcs: Arcs::Flat, ..Curves::ARCS },
+    curves: Curves { arcs: Arcs::WithHelicesAboutZ, ..Curves::ARCS },
     abilities: Abilities {
         safe_homes: &[SafeHome::None, SafeHome::G53],
         coolants: &[Coolant::Off, Coolant::Flood],
@@ -34,11 +37,21 @@ pub const HEIDENHAIN: Dialect = Dialect {
         ..Abilities::USUAL
     },
     rests_at_mm: None,
+    smoothing: Some(SmoothingWords {
+        form: SmoothingForm::Cycle32,
+        takes_tolerance: true,
+        needs_tolerance: true,
+        takes_degrees: true,
+        modes: &[SmoothingMode::Roughing, SmoothingMode::Finishing],
+        usual_mode: None,
+        own: &[],
+    }),
     five_axes: FiveAxisWords {
         angle_decimals: 4,
         angles: Some(TipControl { before: &["FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS"], ..TIP_CONTROL }),
         vectors: Some(TipControl { before: &["FUNCTION TCPM F TCP AXIS SPAT PATHCTRL VECTOR"], ..TIP_CONTROL }),
         has_positions: false,
+        switches_kinematics: false,
         rails: None,
         turns: Turns::DegreesPerMinute,
     },

@@ -12,5 +12,7 @@ pub const ISO: Dialect = Dialect {
     five_axes: FiveAxisWords { angle_decimals: 4, has_positions: true, ..FiveAxisWords::NONE },
     // The unit of P differs between controls, but a number with a point is in seconds on most of them.
     syntax: Syntax::Iso(Iso { dwell: Dwell::Seconds, ..WORDS }),
+    // The words of Fanuc for it are not those of every control.
+    smoothing: None,
     ..FANUC
 };

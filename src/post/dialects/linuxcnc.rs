@@ -7,10 +7,13 @@
 //! * A parabola in a plane of constant Z is written as a quadratic spline: `G5.1 X Y I J`. I and J lead from
 //!   the start to the Bezier control point. The control runs the parabola as 24 arcs. The bound of the
 //!   deviation in the program's header includes the distance of these arcs from the parabola.
+//! * Tip control is M428, ended by M429, on machines whose configuration switches kinematics with these
+//!   codes.
 //! * The program ends with M30, without percent signs.
 
+use super::fanuc::TIP_CONTROL;
 use crate::dialect::{
-    Abilities, Comment, Curves, Dialect, FiveAxisWords, Frame, Iso, Numbers, Point, Parabolas, Syntax, Verification,
+    Abilities, Comment, Curves, Dialect, FiveAxisWords, Frame, Iso, Numbers, Point, Parabolas, SmoothingForm, SmoothingWords, Syntax, TipControl, Turns, Verification,
 };
 
 pub const LINUXCNC: Dialect = Dialect {
@@ -39,7 +42,27 @@ pub const LINUXCNC: Dialect = Dialect {
     abilities: Abilities::USUAL,
     // A ten-thousandth of a degree would move a point 200 mm beside the axis by a third of a micrometre.
     rests_at_mm: None,
-    five_axes: FiveAxisWords { angle_decimals: 5, has_positions: true, ..FiveAxisWords::NONE },
+    smoothing: Some(SmoothingWords {
+        form: SmoothingForm::Blending,
+        takes_tolerance: true,
+        needs_tolerance: true,
+        takes_degrees: false,
+        modes: &[],
+        usual_mode: None,
+        own: &[610, 611, 640],
+    }),
+    five_axes: FiveAxisWords {
+        angle_decimals: 5,
+        // Remapped codes of the sample configurations with `sparm=identityfirst`: 1 and 0 of
+        // `motion.switchkins-type`. `motion.tooloffset.z` tells the kinematics the length that G43 selects.
+        angles: Some(TipControl { before: &["M428"], off: "M429", ..TIP_CONTROL }),
+        switches_kinematics: true,
+        has_positions: true,
+        // The interpreter has no limit: a tenth of a millisecond, which is below the period of its servo
+        // thread.
+        turns: Turns::InverseTime { most: 600_000 },
+        ..FiveAxisWords::NONE
+    },
     syntax: Syntax::Iso(Iso {
         comment: Comment { open: "(", separator: ": ", close: ")" },
         start: &[

@@ -24,6 +24,7 @@ pub const MACH4: Dialect = Dialect {
     curves: Curves::ARCS,
     abilities: Abilities::USUAL,
     rests_at_mm: None,
+    smoothing: None,
     five_axes: FiveAxisWords { angle_decimals: 4, has_positions: true, ..FiveAxisWords::NONE },
     syntax: Syntax::Iso(Iso {
         program_number: None,

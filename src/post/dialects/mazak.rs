@@ -9,5 +9,7 @@ pub const MAZAK: Dialect = Dialect {
     description: "Mazak, EIA/ISO, milling (unverified)",
     verification: Verification::Unverified,
     file_extension: "eia",
+    // The words differ between its generations.
+    smoothing: None,
     ..FANUC
 };

@@ -25,6 +25,7 @@ pub const OKUMA: Dialect = Dialect {
     curves: Curves::ARCS,
     abilities: Abilities { safe_homes: &[SafeHome::None], ..Abilities::USUAL },
     rests_at_mm: None,
+    smoothing: None,
     five_axes: FiveAxisWords { angle_decimals: 4, has_positions: false, ..FiveAxisWords::NONE },
     syntax: Syntax::Iso(Iso {
         program_number: Some(ProgramNumber { letter: 'O', digits: 4 }),

@@ -12,10 +12,10 @@
 //! * Under G93, F is 1 divided by the minutes that the block takes, also under TRAORI.
 
 use crate::dialect::{
-    Abilities, BlockNumbers, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, LengthOffsets, Numbers, Point, Syntax,
+    Abilities, BlockNumbers, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, LengthOffsets, Numbers, Point, SmoothingForm, SmoothingWords, Syntax,
     TipControl, Turns, Verification,
 };
-use toolpathd_core::toolpath::program::SafeHome;
+use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode};
 
 pub const SIEMENS: Dialect = Dialect {
     name: "siemens",
@@ -40,16 +40,27 @@ pub const SIEMENS: Dialect = Dialect {
         ..Abilities::USUAL
     },
     rests_at_mm: None,
+    smoothing: Some(SmoothingWords {
+        form: SmoothingForm::Cycle832,
+        takes_tolerance: true,
+        needs_tolerance: true,
+        takes_degrees: true,
+        modes: &[SmoothingMode::Roughing, SmoothingMode::SemiFinishing, SmoothingMode::Finishing],
+        usual_mode: Some(SmoothingMode::Finishing),
+        own: &[600, 640, 6410, 6420, 6430, 6440, 6450],
+    }),
     five_axes: FiveAxisWords {
         angle_decimals: 5,
         angles: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIAXES"], ..TIP_CONTROL }),
         vectors: Some(TipControl { before: &["TRAORI", "ORIWKS", "ORIVECT"], ..TIP_CONTROL }),
         has_positions: true,
+        switches_kinematics: false,
         rails: Some(TipControl {
             before: &["TRAORI", "ORIWKS", "ORIVECT", "POLYPATH(\"AXES\",\"VECT\")"],
             ..TIP_CONTROL
         }),
-        turns: Turns::InverseTime,
+        // The range of F in the older manuals ends at 99 999.99.
+        turns: Turns::InverseTime { most: 99_999 },
     },
     syntax: Syntax::Siemens(Iso {
         comment: Comment { open: "; ", separator: " = ", close: "" },

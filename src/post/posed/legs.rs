@@ -28,6 +28,16 @@ pub enum LegTime {
     Dwell(f64),
 }
 
+impl LegTime {
+    /// How long a straight motion takes.
+    pub fn seconds(self, from: &Pose, to: &Pose) -> f64 {
+        match self {
+            Self::Feed(rate) => (to.tip - from.tip).norm() / rate.mm_per_s(),
+            Self::Seconds(seconds) | Self::Dwell(seconds) => seconds,
+        }
+    }
+}
+
 /// A toolpath as motions from a start.
 pub struct Legs<'a> {
     pub start: Pose,

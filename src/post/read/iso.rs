@@ -6,6 +6,7 @@
 
 mod control;
 mod posed;
+mod smoothing;
 mod words;
 
 use nalgebra::{Point3, Vector3};
@@ -17,7 +18,7 @@ use super::{Language, Step};
 use crate::nc::{Distance, Fault, FeedMode, Modal, Motion, effect, modal_group};
 use toolpathd_core::geometry::curve::{Arc, Curve, Line, Parabola};
 use toolpathd_core::geometry::plane::Plane;
-use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::program::{Smoothing, Units};
 use toolpathd_core::toolpath::units::FeedRate;
 
 /// G codes that every control knows, in tenths.
@@ -49,6 +50,7 @@ pub struct Reader {
     /// Position in mm.
     modal: Modal<f64, FeedRate>,
     leaning: Leaning,
+    smoothing: Option<Smoothing>,
 }
 
 /// The line before and behind a program.
@@ -106,6 +108,11 @@ impl Language for Reader {
     fn pass(&mut self) {
         self.modal = Modal::UNKNOWN;
         self.leaning = Leaning::default();
+        self.smoothing = None;
+    }
+
+    fn smoothing(&self) -> Option<Smoothing> {
+        self.smoothing
     }
 
     fn end(&self) -> Result<(), Fault> {
@@ -127,6 +134,7 @@ impl Reader {
             mismatch_limit_mm,
             modal: Modal::START,
             leaning: Leaning::default(),
+            smoothing: None,
         }
     }
 
@@ -136,10 +144,13 @@ impl Reader {
         if !self.control.needs_points {
             return Ok(());
         }
-        let missing = words.first_written("XYZABCIJKF", false).map(Fault::MissingPoint);
+        let missing = words.first_written("XYZABCEIJKF", false).map(Fault::MissingPoint);
         let unexpected = || {
             words
-                .first_written(if self.control.dwell == Dwell::Milliseconds { "NHSTP" } else { "NHST" }, true)
+                .first_written(
+                    if self.control.dwell == Dwell::Milliseconds { "NHSTPQR" } else { "NHSTQR" },
+                    true,
+                )
                 .map(Fault::UnexpectedPoint)
         };
         missing.or_else(unexpected).map_or(Ok(()), Err)
@@ -152,11 +163,16 @@ impl Reader {
             if !self.control.takes_offset(code) || code == LENGTH_OFFSET {
                 self.modal.apply(effect(code));
             }
-            if code == PARABOLA {
+            if code == PARABOLA && self.control.has_parabolas {
                 // A block without a G word behind it would be run as the last G0 to G3 says, even as a rapid.
                 self.modal.motion = None;
             }
-            self.leaning.apply(code, &self.control);
+            if self.leaning.apply(code, &self.control) {
+                self.modal.at = [None; 3];
+            }
+        }
+        if self.leaning.switch(words, &self.control)? {
+            self.modal.at = [None; 3];
         }
         if g.has(INVERSE_TIME) || g.has(PER_MINUTE) {
             // A feed of the other mode means something else.
@@ -165,11 +181,14 @@ impl Reader {
         if g.has(HOME) || g.has(MACHINE_COORDINATES) {
             return self.home(words);
         }
-        let (is_dwell, is_blending) = (g.has(DWELL), g.has(BLENDING));
-        for (letter, is_used) in [('Q', is_blending), ('P', is_blending || is_dwell)] {
-            if words.has(letter) && !is_used {
-                return Err(Fault::Unused(letter));
-            }
+        if self.smoothed(words)? {
+            return Ok(None);
+        }
+        let is_dwell = g.has(DWELL);
+        if let Some(letter) = words.first_of(if is_dwell { "QER" } else { "PQER" }) {
+            // E and R are words of few controls, and only in the blocks that are read above.
+            let is_word = matches!(letter, 'P' | 'Q');
+            return Err(if is_word { Fault::Unused(letter) } else { Fault::UnknownWord(letter) });
         }
         if let Some(feed) = words.get('F').filter(|_| !is_dwell) {
             let unit =
@@ -179,6 +198,7 @@ impl Reader {
         }
         if ENDS.iter().any(|&code| words.m.has(code)) {
             self.leaning.check_off()?;
+            self.check_smoothing_off()?;
             let has_mark = self.control.has_tape_marks;
             self.expects = if has_mark { Expected::LastTapeMark } else { Expected::Nothing };
         }
@@ -199,12 +219,15 @@ impl Reader {
                 || self.control.further_g.contains(&code)
                 || self.control.takes_offset(code)
                 || code == PARABOLA && self.control.has_parabolas
+                || self.control.smoothing.takes(code)
         };
         let number = |code: &i32| f64::from(*code) / 10.0;
         if let Some(code) = g.all().iter().find(|code| !is_known(code)) {
             return Err(Fault::UnknownG(number(code)));
         }
-        if let Some(code) = m.all().iter().find(|code| !KNOWN_M.contains(code)) {
+        let switches = self.control.kinematics.unwrap_or_default();
+        let is_known_m = |code: &&i32| KNOWN_M.contains(code) || switches.contains(code);
+        if let Some(code) = m.all().iter().find(|code| !is_known_m(code)) {
             return Err(Fault::UnknownM(number(code)));
         }
         let mut groups = g.all().iter().map(|&code| modal_group(code)).enumerate();

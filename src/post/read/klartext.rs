@@ -27,7 +27,9 @@
 //! of LN) and (34059x-05) pp. 115, 631 (names, dwell). Tenths of an inch: the post-processor of Autodesk,
 //! `heidenhain.cps`, 2023.
 
+mod blank;
 mod motion;
+mod smoothing;
 mod words;
 
 use nalgebra::Point3;
@@ -38,7 +40,7 @@ use super::{Language, Step, TipMode};
 use crate::dialect::Dialect;
 use crate::nc::{Fault, WordFault};
 use toolpathd_core::geometry::plane::Plane;
-use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::program::{Smoothing, Units};
 use toolpathd_core::toolpath::units::FeedRate;
 
 /// The control has no tool of a larger number.
@@ -64,6 +66,10 @@ enum Expected {
     Block,
     /// The second block of the cycle for a dwell.
     DwellTime,
+    /// The second block of the cycle for smoothing.
+    Tolerance,
+    /// The second block of the raw part.
+    HighCorner,
     /// The second line of the block that activates a preset. It has no number.
     Preset,
     /// The last block, after M30.
@@ -101,6 +107,12 @@ pub struct Reader<'a> {
     vector: Option<[f64; 3]>,
     /// Whether the last motion with a vector has left the rotary axes at unknown angles.
     has_lost_axis: bool,
+    smoothing: Option<Smoothing>,
+    /// Whether the last block stated the tolerance of the path, so that the next may state its mode.
+    has_open_tolerance: bool,
+    /// The lowest and the highest corner of the raw part, mm.
+    low_corner: Option<Point3<f64>>,
+    high_corner: Option<Point3<f64>>,
 }
 
 impl Language for Reader<'_> {
@@ -119,6 +131,8 @@ impl Language for Reader<'_> {
         match self.expects {
             Expected::Begin => self.begin(block).ok_or(Fault::Frame(BEGIN)).map(|()| None),
             Expected::DwellTime => self.dwell(block).map(Some),
+            Expected::Tolerance => self.tolerance(block).map(|()| None),
+            Expected::HighCorner => self.high_corner(block).map(|()| None),
             Expected::End => self.finish(block).map(|()| None),
             Expected::Block | Expected::Preset | Expected::Blank => self.block(block),
         }
@@ -130,13 +144,24 @@ impl Language for Reader<'_> {
         (self.mode, self.angles, self.vector) = (TipMode::Off, [None; 3], None);
         // The line may have called a tool; if it has not, the program runs with the tool that is in place.
         self.has_tool = true;
+        self.smoothing = None;
+    }
+
+    fn smoothing(&self) -> Option<Smoothing> {
+        self.smoothing
+    }
+
+    fn blank(&self) -> Option<[Point3<f64>; 2]> {
+        Some([self.low_corner?, self.high_corner?])
     }
 
     fn end(&self) -> Result<(), Fault> {
         match self.expects {
+            Expected::HighCorner => Err(Fault::Frame(blank::HIGH)),
             Expected::Begin => Err(Fault::Frame(BEGIN)),
             Expected::Block => Err(Fault::NoEnd),
             Expected::DwellTime => Err(Fault::Frame(DWELL)),
+            Expected::Tolerance => Err(Fault::Frame(smoothing::TOLERANCE)),
             Expected::Preset => Err(Fault::Frame(PRESET)),
             Expected::End => Err(Fault::Frame(END)),
             Expected::Blank => Ok(()),
@@ -161,6 +186,10 @@ impl<'a> Reader<'a> {
             angles: [None; 3],
             vector: None,
             has_lost_axis: false,
+            smoothing: None,
+            has_open_tolerance: false,
+            low_corner: None,
+            high_corner: None,
         }
     }
 
@@ -206,6 +235,7 @@ impl<'a> Reader<'a> {
     }
 
     fn block(&mut self, block: &str) -> Result<Option<Step>, Fault> {
+        let may_state_mode = std::mem::take(&mut self.has_open_tolerance);
         match block {
             "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS" => return self.begin_tip_control(TipMode::Angles),
             "FUNCTION TCPM F TCP AXIS SPAT PATHCTRL VECTOR" => {
@@ -223,6 +253,13 @@ impl<'a> Reader<'a> {
                 self.at = [None; 3];
                 return Ok(None);
             }
+            "CYCL DEF 32.0 TOLERANCE" => {
+                self.expects = Expected::Tolerance;
+                return Ok(None);
+            }
+            _ if may_state_mode && block.starts_with("CYCL DEF 32.2 ") => {
+                return self.smoothing_mode(block).map(|()| None);
+            }
             "CYCL DEF 9.0 DWELL TIME" => {
                 self.expects = Expected::DwellTime;
                 return Ok(None);
@@ -235,6 +272,7 @@ impl<'a> Reader<'a> {
             "LN" => self.vector(tail).map(Some),
             "CC" => self.circle_center(tail),
             "C" => self.arc(tail).map(Some),
+            "BLK" => self.low_corner(block).map(|()| None),
             "CP" => self.helix(tail).map(Some),
             "TOOL" => self.tool_call(tail),
             "END" => Err(Fault::NoEnd),

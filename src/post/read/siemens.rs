@@ -30,11 +30,12 @@ mod rails;
 mod words;
 
 use self::words::{Keyword, Words};
+use super::number::Number;
 use super::{Language, Step, TipMode};
 use crate::dialect::{BlockNumbers, Dialect, Syntax};
 use crate::nc::{Fault, FeedMode, Modal, Motion, WordFault, effect};
 use toolpathd_core::geometry::plane::Plane;
-use toolpathd_core::toolpath::program::Units;
+use toolpathd_core::toolpath::program::{Smoothing, SmoothingMode, Units};
 use toolpathd_core::toolpath::units::FeedRate;
 
 /// The number of a tool and of its cutting edge, at most.
@@ -72,6 +73,7 @@ pub struct Reader<'a> {
     second: Option<[f64; 3]>,
     /// Whether the last motion with a vector has left the rotary axes at unknown angles.
     has_lost_axis: bool,
+    smoothing: Option<Smoothing>,
 }
 
 impl Language for Reader<'_> {
@@ -98,6 +100,11 @@ impl Language for Reader<'_> {
         (self.edge, self.has_tip_control, self.orientation) = (0, false, None);
         (self.angles, self.vector) = ([None; 3], None);
         (self.is_on_rails, self.has_polynomials) = (false, false);
+        self.smoothing = None;
+    }
+
+    fn smoothing(&self) -> Option<Smoothing> {
+        self.smoothing
     }
 
     fn end(&self) -> Result<(), Fault> {
@@ -128,6 +135,7 @@ impl<'a> Reader<'a> {
             has_polynomials: false,
             second: None,
             has_lost_axis: false,
+            smoothing: None,
         }
     }
 
@@ -136,6 +144,9 @@ impl<'a> Reader<'a> {
         if words.rounding.is_some() != words.g.contains(&ROUNDING) {
             return Err(Fault::Word("ADIS", WordFault::Unused));
         }
+        if let Some(arguments) = words.smoothing {
+            return self.cycle_832(arguments, words).map(|()| None);
+        }
         match words.keyword {
             Some(Keyword::MachineZero) => return self.machine_zero(words),
             Some(keyword) => return self.switch(keyword, words).map(|()| None),
@@ -143,6 +154,12 @@ impl<'a> Reader<'a> {
         }
         for &code in words.g.iter() {
             self.apply(code);
+        }
+        if words.g.iter().any(|code| [64, ROUNDING].contains(code)) {
+            let of_path = |mm| Smoothing { tolerance_mm: Some(mm), tolerance_deg: None, mode: None };
+            let tolerance_mm =
+                words.rounding.map(|distance| self.unit_mm().map(|unit_mm| distance * unit_mm));
+            self.smoothing = tolerance_mm.transpose()?.map(of_path);
         }
         if words.g.contains(&DWELL) {
             return dwell(words).map(Some);
@@ -153,7 +170,46 @@ impl<'a> Reader<'a> {
         if self.is_over && self.has_tip_control {
             return Err(Fault::UnderTipControl);
         }
+        if self.is_over && self.smoothing.is_some_and(|smoothing| smoothing.mode.is_some()) {
+            // It would hold for the next program.
+            return Err(Fault::Conflict);
+        }
         self.motion(words)
+    }
+
+    /// `CYCLE832(0.01,_FINISH,1)`, or `CYCLE832(0.01,_ORI_FINISH,0.5)` with a tolerance of angles in degrees.
+    /// Without arguments the cycle ends the smoothing.
+    fn cycle_832(&mut self, arguments: &str, words: &Words) -> Result<(), Fault> {
+        if !words.is_empty() || words.keyword.is_some() || words.rounding.is_some() {
+            return Err(Fault::Conflict);
+        }
+        if arguments.is_empty() {
+            self.smoothing = None;
+            return Ok(());
+        }
+        let wrong = |fault| Fault::Word("CYCLE832", fault);
+        let parts: Vec<&str> = arguments.split(',').collect();
+        let &[path, mode, last] = &parts[..] else { return Err(wrong(WordFault::Form)) };
+        let number = |text: &str| {
+            let number = Number::whole_of(text).filter(|number| number.sign.is_none());
+            number.map(|number| number.value).filter(|value| *value > 0.0).ok_or(wrong(WordFault::Number))
+        };
+        let (mode, has_angle) = match mode {
+            "_ROUGH" => (SmoothingMode::Roughing, false),
+            "_SEMIFIN" => (SmoothingMode::SemiFinishing, false),
+            "_FINISH" => (SmoothingMode::Finishing, false),
+            "_ORI_ROUGH" => (SmoothingMode::Roughing, true),
+            "_ORI_SEMIFIN" => (SmoothingMode::SemiFinishing, true),
+            "_ORI_FINISH" => (SmoothingMode::Finishing, true),
+            _ => return Err(wrong(WordFault::Form)),
+        };
+        if !has_angle && last != "1" {
+            return Err(wrong(WordFault::Range));
+        }
+        let tolerance_deg = if has_angle { Some(number(last)?) } else { None };
+        let tolerance_mm = Some(number(path)? * self.unit_mm()?);
+        self.smoothing = Some(Smoothing { tolerance_mm, tolerance_deg, mode: Some(mode) });
+        Ok(())
     }
 
     /// # Errors

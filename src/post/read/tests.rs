@@ -144,7 +144,7 @@ fn fanuc_programs_need_points_marks_and_a_number() {
     assert_eq!(steps[3], Step::Dwell { seconds: 0.25 });
     let contour_control = whole.replacen("G1 X10.", "G5.1 X10. Y1. I1. J1.", 1);
     let error = read_as(&FANUC, &contour_control).unwrap_err();
-    assert_eq!(error, ReadError { line: 7, fault: Fault::UnknownG(5.1) });
+    assert_eq!(error, ReadError { line: 7, fault: Fault::Conflict });
     let cases = [
         ("%\nO0501", "O0501", 1, Fault::TapeMark),
         ("M30\n%\n", "M30\n", 9, Fault::TapeMark),

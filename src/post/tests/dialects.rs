@@ -46,7 +46,18 @@ fn usual(dialect: &Dialect, units: Units) -> Resolution {
 /// The largest distance between the cutting moves of a toolpath and those that are read from a text, mm, both
 /// ways and in order.
 fn apart(path: &Toolpath, text: &str, dialect: &Dialect, resolution: Resolution) -> f64 {
+    let step_mm = resolution.step_mm();
+    let is_off_grid =
+        |p: Point3<f64>| [p.x, p.y].iter().any(|at| (at / step_mm - (at / step_mm).round()).abs() > 0.0005);
     let mut cuts = Reader::new(text, dialect, 0.05).filter_map(|placed| match placed.unwrap().step {
+        // A helix of Klartext ends beside the grid, and a short line leads back.
+        Step::Feed { along: Curve::Line(line), .. }
+            if dialect.name == "heidenhain"
+                && (line.end - line.start).norm() <= 2.0 * step_mm
+                && (is_off_grid(line.start) || (line.end - line.start).norm() < 1e-9) =>
+        {
+            None
+        }
         Step::Feed { along, .. } => Some(along),
         _ => None,
     });

@@ -7,8 +7,9 @@ use nalgebra::{Unit, UnitVector3};
 
 use super::*;
 use crate::dialects::heidenhain::HEIDENHAIN;
+use crate::dialects::mach4::MACH4;
 use crate::dialects::siemens::SIEMENS;
-use crate::path_text::tokens::words;
+use crate::path_text::tokens::block;
 use toolpathd_core::machine::{AxisPositions, Machine, Straying, named};
 use toolpathd_core::toolpath::Move;
 use toolpathd_core::toolpath::pose::Pose;
@@ -69,6 +70,7 @@ fn each_output_is_written_as_its_control_reads_it() {
             "S12000 M3",
             "M8",
             "G0 A-53.1301 C-180.0000",
+            "X0.000 Y26.400",
             "G43.4 H4 X0.000 Y16.000 Z45.000",
             "Z12.000",
             "G1 Y0.000 Z0.000 F400.",
@@ -87,7 +89,8 @@ fn each_output_is_written_as_its_control_reads_it() {
     assert_eq!(
         body(&vectors)[5..],
         [
-            "G0 G43.5 H4 X0.000 Y16.000 Z45.000 I0.0000000 J0.8000000 K0.6000000",
+            "G0 G43.5 H4 X0.000 Y16.000 I0.0000000 J0.8000000 K0.6000000",
+            "Z45.000 I0.0000000 J0.8000000 K0.6000000",
             "Z12.000 I0.0000000 J0.8000000 K0.6000000",
             "G1 Y0.000 Z0.000 I0.0000000 J0.8000000 K0.6000000 F400.",
             "X20.000 Z1.000 I0.0000000 J0.6000000 K0.8000000 F800.",
@@ -143,7 +146,8 @@ fn a_leaning_toolpath_needs_a_way_to_say_so() {
     for (dialect, output, machine, error) in [
         (&FANUC, AxisOutput::Angles, None, WriteError::MachineMissing),
         (&LINUXCNC, AxisOutput::Machine, None, WriteError::MachineMissing),
-        (&LINUXCNC, AxisOutput::Angles, Some(&table), WriteError::AxisOutput),
+        (&LINUXCNC, AxisOutput::Angles, None, WriteError::MachineMissing),
+        (&MACH4, AxisOutput::Angles, Some(&table), WriteError::AxisOutput),
         (&LINUXCNC, AxisOutput::Vectors, None, WriteError::AxisOutput),
     ] {
         assert_eq!(text_of(dialect, &leaning(), output, machine, ALLOWED).unwrap_err(), error);
@@ -163,7 +167,8 @@ fn a_changed_block_fails_the_check() {
                 ("C-90.0000", "C-89.9999", "axis"),
                 ("F120.", "F121.", "feed"),
                 ("G43.4 H4 X0.000", "G43.4 H4 X0.001", "place"),
-                ("G43.4", "G43", "mode"),
+                ("G43.4", "G43", "place"),
+                ("X0.000 Y26.400", "X0.000 Y26.401", "place"),
                 ("X20.000 Z1.000", "X20.000 Z1.001", "place"),
                 ("G93 C-90", "C-90", "feed"),
                 ("G94 X32", "X32", "feed"),
@@ -176,6 +181,7 @@ fn a_changed_block_fails_the_check() {
                 ("I0.6000000 J0", "I-.6000000 J0", "axis"),
                 ("F120.", "F12.", "feed"),
                 ("X20.000", "X20.001", "place"),
+                ("X0.000 Y16.000", "X0.001 Y16.000", "place"),
                 ("F800.", "F80.", "feed"),
                 ("G94 X32", "X32", "feed"),
                 ("G0 Z45", "G1 Z45", "feed"),
@@ -210,7 +216,7 @@ fn places(text: &str, machine: &Machine) -> Vec<([f64; 3], [f64; 2], [f64; 3])> 
     let mut places = Vec::new();
     let mut has_begun = false;
     for line in body(text) {
-        let words = words(line).unwrap();
+        let words = block(line, true).unwrap().words;
         let mut moves = false;
         for word in &words {
             let Some(value) = word.value else { continue };

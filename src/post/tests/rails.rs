@@ -69,13 +69,14 @@ fn a_rail_is_written_as_a_polynomial_of_two_points() {
     let text = in_siemens(&railed(&[rail(tips, tops, 40.0)]), MM).unwrap().text;
     let body: Vec<&str> = text.lines().skip_while(|line| *line != "TRAORI").collect();
     assert_eq!(
-        body[..13],
+        body[..14],
         [
             "TRAORI",
             "ORIWKS",
             "ORIVECT",
             "POLYPATH(\"AXES\",\"VECT\")",
-            "G0 X0.000 Y0.000 Z45.000 A3=0.0000000 B3=0.0000000 C3=1.0000000",
+            "G0 X0.000 Y0.000 A3=0.0000000 B3=0.0000000 C3=1.0000000",
+            "Z45.000 A3=0.0000000 B3=0.0000000 C3=1.0000000",
             "Z5.000 A3=0.0000000 B3=0.0000000 C3=1.0000000",
             "G1 Z0.000 A3=0.0000000 B3=0.0000000 C3=1.0000000 F400",
             "ORICURVE",

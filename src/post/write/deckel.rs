@@ -122,6 +122,7 @@ impl Writer<'_> {
             }
             // The paper prints no such blocks. What needs them was lowered or refused.
             Block::Arc { .. }
+            | Block::Helix { .. }
             | Block::Parabola { .. }
             | Block::Dwell { .. }
             | Block::Rotate { .. }

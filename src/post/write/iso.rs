@@ -2,14 +2,16 @@
 
 mod posed;
 mod rails;
+mod smoothing;
 
 use super::lines::{Lines, Numbering, Written};
 use super::{program_number, remarks, tool_of};
 use crate::block::{AxisWords, Block};
-use crate::dialect::{BlockNumbers, Comment, Dwell, Frame, Iso, Point};
+use crate::dialect::{BlockNumbers, Comment, Dwell, Frame, Iso, Point, SmoothingForm};
 use crate::header::Remark;
 use crate::lower::Lowered;
 use crate::rails::RailWords;
+use crate::smoothing::in_force;
 use crate::words::{self, AXES, FeedWord, OFFSETS};
 use crate::{ProgramJob, WriteError};
 use toolpathd_core::geometry::plane::Plane;
@@ -100,10 +102,24 @@ impl Writer<'_> {
                 Units::Mm => mm,
                 Units::Inch => inch,
             }),
-            Frame::Blending { before, after } => {
-                self.lines.number(before, 1, job.program.resolution.decimals);
-                self.lines.glue(after);
+            Frame::Blending { before, after } => match job.program.smoothing {
+                _ if in_force(job).is_none() => {}
+                Some(_) => self.smoothing(after)?,
+                None => {
+                    self.lines.number(before, 1, job.program.resolution.decimals);
+                    self.lines.glue(after);
+                }
+            },
+            Frame::Smoothing => self.smoothing("")?,
+            Frame::SmoothingOff if job.program.smoothing.is_some() => {
+                match job.dialect.smoothing.map(|words| words.form) {
+                    Some(SmoothingForm::ContourControl) => self.lines.word("G5.1 Q0"),
+                    Some(SmoothingForm::Cycle832) => self.lines.word("CYCLE832()"),
+                    // The end of the program ends it.
+                    Some(SmoothingForm::Blending | SmoothingForm::G187 | SmoothingForm::Cycle32) | None => {}
+                }
             }
+            Frame::SmoothingOff => {}
             Frame::WorkOffset => self.work_offset()?,
             Frame::ToolChange if !job.program.custom.tool_change.is_empty() => return self.own_tool_change(),
             Frame::ToolChange => {
@@ -235,6 +251,8 @@ impl Writer<'_> {
                 }
                 self.feed(feed);
             }
+            // No dialect of ISO words has such a block.
+            Block::Helix { .. } => return Err(WriteError::Differs { line: 0, what: "kind" }),
             Block::Parabola { to, control, feed } => {
                 self.plane(Plane::Xy);
                 // G5.1 is not modal and ends the mode of motion.
@@ -267,7 +285,12 @@ impl Writer<'_> {
             }
             Block::BeginTipControl { to, axis } => {
                 self.begin_tip_control(axis)?;
-                self.place(to, axis);
+                for (axis, to) in to.into_iter().enumerate() {
+                    if let Some(to) = to {
+                        self.axis(axis, to);
+                    }
+                }
+                self.axis_words(axis);
             }
             Block::Posed { to, axis, feed } => self.posed(to, axis, feed)?,
             Block::BeginRails { second, feed } => self.begin_rails(second, feed)?,

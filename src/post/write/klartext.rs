@@ -9,16 +9,22 @@
 use super::lines::{Lines, Numbering, Written};
 use super::{program_number, remarks, tool_of};
 use crate::block::{AxisWords, Block, BlockFeed};
-use crate::dialect::{Comment, TipControl};
+use crate::dialect::{Comment, Dialect, TipControl};
 use crate::header::Remark;
 use crate::posed::VECTOR_DECIMALS;
+use crate::smoothing::{in_force, tolerance};
 use crate::words::{self, AXES, FeedWord};
-use crate::{ProgramJob, WriteError};
+use crate::{ProgramJob, WriteError, blank};
 use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::cutting::Coolant;
-use toolpathd_core::toolpath::program::{SafeHome, Units};
+use toolpathd_core::toolpath::program::{SafeHome, Smoothing, SmoothingMode, Units};
 
 const COMMENT: Comment = Comment { open: "; ", separator: " = ", close: "" };
+
+/// Decimals of the angle of a helix, in degrees.
+const HELIX_DECIMALS: u8 = 4;
+
 const NUMBERING: Numbering = Numbering { prefix: "", first: 0, step: 1, max: u32::MAX };
 
 /// The text of a whole program; see [`super::text`].
@@ -27,6 +33,7 @@ pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<Wr
         job,
         lines: Lines::new(job.dialect, Some(NUMBERING), blocks.len()),
         at: [None; 3],
+        is_off_grid: [false; 3],
         center: None,
         angles: [None; 2],
         feed: None,
@@ -44,6 +51,8 @@ struct Writer<'a> {
     lines: Lines<'a>,
     /// The position as last written.
     at: [Option<i64>; 3],
+    /// Whether a helix has left an axis at or beside its position as last written.
+    is_off_grid: [bool; 3],
     /// The centre as last written, with its axes.
     center: Option<[(usize, i64); 2]>,
     angles: [Option<i64>; 2],
@@ -75,6 +84,7 @@ impl Writer<'_> {
         for remark in remarks {
             remarks::write(&mut self.lines, job.dialect, &COMMENT, remark)?;
         }
+        self.blank()?;
         let custom = &job.program.custom;
         self.lines.custom(&custom.header)?;
         self.preset()?;
@@ -98,7 +108,49 @@ impl Writer<'_> {
         if job.cutting.coolant == Coolant::Flood {
             self.lines.line("M8")?;
         }
+        self.smoothing()
+    }
+
+    /// The lowest and the highest corner of the raw part.
+    fn blank(&mut self) -> Result<(), WriteError> {
+        let Some(corners) = blank::corners(self.job)? else { return Ok(()) };
+        for (head, corner) in ["BLK FORM 0.1 Z", "BLK FORM 0.2"].into_iter().zip(corners) {
+            self.lines.word(head);
+            for (letter, units) in AXES.into_iter().zip(corner) {
+                self.coordinate(letter, units);
+            }
+            self.lines.end()?;
+        }
         Ok(())
+    }
+
+    /// Cycle 32, which holds to the end of the program.
+    fn smoothing(&mut self) -> Result<(), WriteError> {
+        let Some(smoothing) = in_force(self.job) else { return Ok(()) };
+        let Smoothing { tolerance_mm, tolerance_deg, mode } = smoothing;
+        let resolution = self.job.program.resolution;
+        let Dialect { max_decimals, five_axes, .. } = *self.job.dialect;
+        let Some(value) = tolerance_mm.map(|mm| mm / resolution.units.mm()) else { return Ok(()) };
+        let path = tolerance(value, resolution.decimals, max_decimals);
+        if path.digits == 0 {
+            return Err(WriteError::SmallTolerance { tolerance: value });
+        }
+        self.lines.line("CYCL DEF 32.0 TOLERANCE")?;
+        self.lines.number("CYCL DEF 32.1 T", path.digits, path.decimals);
+        self.lines.end()?;
+        if mode.is_none() && tolerance_deg.is_none() {
+            return Ok(());
+        }
+        let is_rough = mode == Some(SmoothingMode::Roughing);
+        self.lines.word(if is_rough { "CYCL DEF 32.2 HSC-MODE:1" } else { "CYCL DEF 32.2 HSC-MODE:0" });
+        if let Some(degrees) = tolerance_deg {
+            let angle = tolerance(degrees, 1, five_axes.angle_decimals);
+            if angle.digits == 0 {
+                return Err(WriteError::SmallTolerance { tolerance: degrees });
+            }
+            self.lines.number("TA", angle.digits, angle.decimals);
+        }
+        self.lines.end()
     }
 
     fn end(mut self) -> Result<Written, WriteError> {
@@ -149,26 +201,22 @@ impl Writer<'_> {
                 self.feed(Feed::OfTip(feed));
             }
             Block::Arc { plane, direction, to, center, feed } => {
-                let offsets = words::center_offsets(plane, center);
-                let center = offsets.map(|(axis, offset)| (axis, self.at[axis].unwrap_or(0) + offset));
-                if self.center != Some(center) {
-                    self.lines.word("CC");
-                    for (axis, at) in center {
-                        self.coordinate(AXES[axis], at);
-                    }
-                    self.lines.end()?;
-                    self.center = Some(center);
-                }
+                self.circle_center(plane, center)?;
                 self.lines.word("C");
-                for (axis, _) in center {
+                for (axis, _) in words::center_offsets(plane, center) {
                     self.axis(axis, to[axis]);
                 }
-                self.lines.word(match direction {
-                    Direction::Cw => "DR-",
-                    Direction::Ccw => "DR+",
-                });
-                self.lines.word("R0");
-                self.feed(Feed::OfTip(feed));
+                self.turn(direction, feed);
+            }
+            Block::Helix { direction, to, center, angle, feed } => {
+                self.circle_center(Plane::Xy, center)?;
+                self.lines.word("CP");
+                let angle = if direction == Direction::Ccw { angle } else { -angle };
+                self.signed("IPA", angle, HELIX_DECIMALS);
+                let rise = to[2] - self.at[2].unwrap_or(0);
+                self.signed("IZ", rise, self.job.program.resolution.decimals);
+                self.turn(direction, feed);
+                (self.at, self.is_off_grid) = (to.map(Some), [true; 3]);
             }
             // The control has no such blocks, and none are made for it.
             Block::Parabola { .. } | Block::BeginRails { .. } | Block::Rail { .. } | Block::EndRails => {
@@ -196,7 +244,20 @@ impl Writer<'_> {
                     self.lines.line(text)?;
                 }
                 self.tip_control_off = Some(off);
-                self.place(to, axis);
+                self.at = [None; 3];
+                match (to, axis) {
+                    // LN states all coordinates, so the way across has no vector: the axis turns on the
+                    // way down.
+                    ([x, y, None], AxisWords::Vector(_)) => {
+                        self.lines.word("L");
+                        for (axis, to) in [x, y].into_iter().enumerate() {
+                            if let Some(to) = to {
+                                self.axis(axis, to);
+                            }
+                        }
+                    }
+                    (to, axis) => self.place(to.map(Option::unwrap_or_default), axis),
+                }
                 self.lines.word("R0 FMAX");
             }
             Block::Posed { to, axis, feed } => {
@@ -216,6 +277,30 @@ impl Writer<'_> {
             }
         }
         self.lines.end()
+    }
+
+    /// States the centre of the arcs behind it, unless it is the centre already.
+    fn circle_center(&mut self, plane: Plane, center: [i64; 2]) -> Result<(), WriteError> {
+        let offsets = words::center_offsets(plane, center);
+        let center = offsets.map(|(axis, offset)| (axis, self.at[axis].unwrap_or(0) + offset));
+        if self.center == Some(center) {
+            return Ok(());
+        }
+        self.lines.word("CC");
+        for (axis, at) in center {
+            self.coordinate(AXES[axis], at);
+        }
+        self.center = Some(center);
+        self.lines.end()
+    }
+
+    fn turn(&mut self, direction: Direction, feed: FeedWord) {
+        self.lines.word(match direction {
+            Direction::Cw => "DR-",
+            Direction::Ccw => "DR+",
+        });
+        self.lines.word("R0");
+        self.feed(Feed::OfTip(feed));
     }
 
     /// The place of the tip with the tool axis. A block of vectors states all of them.
@@ -252,7 +337,7 @@ impl Writer<'_> {
     /// The coordinates that differ from those last written.
     fn changed(&mut self, to: [i64; 3]) {
         for (axis, to) in to.into_iter().enumerate() {
-            if self.at[axis] != Some(to) {
+            if self.at[axis] != Some(to) || self.is_off_grid[axis] {
                 self.axis(axis, to);
             }
         }
@@ -260,7 +345,7 @@ impl Writer<'_> {
 
     fn axis(&mut self, axis: usize, to: i64) {
         self.coordinate(AXES[axis], to);
-        self.at[axis] = Some(to);
+        (self.at[axis], self.is_off_grid[axis]) = (Some(to), false);
     }
 
     fn coordinate(&mut self, letter: char, units: i64) {

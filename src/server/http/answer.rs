@@ -46,7 +46,7 @@ use small_job::SmallJob;
 use timing::{SERVER_TIMING, Timing};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::Toolpath;
-use toolpathd_core::toolpath::cutting::Cutting;
+use toolpathd_core::toolpath::cutting::{Caution, Cutting};
 use toolpathd_core::toolpath::measure::{Bounds, measure, measure_on};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_plot::Drawing;
@@ -241,8 +241,10 @@ fn check_range(toolpath: &Toolpath) -> Result<(), ApiError> {
 /// The warnings that every toolpath gets for its cutting conditions, tool and program.
 fn cautions<P: Product>(product: &P) -> Vec<Warning> {
     let of = |cut: &Cut| {
-        let Setup { tool, program, .. } = &cut.setup;
-        cut.cutting.map(|cutting| cutting.cautions(tool.as_ref(), program))
+        let Setup { tool, program, called, .. } = &cut.setup;
+        let mut cautions = cut.cutting?.cautions(tool.as_ref(), program);
+        cautions.retain(|caution| called.is_none() || *caution != Caution::NoToolNumber);
+        Some(cautions)
     };
     product.cut().and_then(of).into_iter().flatten().map(Warning::from).collect()
 }
@@ -327,10 +329,19 @@ fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<St
         let at = Pointer::root().field("cutting");
         return Err(ApiError::invalid(vec![FieldError::new(&at, FieldCode::FeedRequired, detail)]));
     };
-    let Setup { tool, program, dialect, five_axes } = setup;
+    let Setup { tool, program, dialect, five_axes, called } = setup;
     let five_axes = five_axes.as_ref().map(AxisSetup::five_axes);
     let (comments, warnings) = (&sheet::notes(outcome), &sheet::told(&outcome.warnings));
-    let job = ProgramJob { program, tool: tool.as_ref(), cutting, dialect, comments, warnings, five_axes };
+    let job = ProgramJob {
+        program,
+        tool: tool.as_ref(),
+        cutting,
+        dialect,
+        comments,
+        warnings,
+        five_axes,
+        called: *called,
+    };
     Ok(toolpathd_post::write(toolpath, &job, budget)?.text)
 }
 

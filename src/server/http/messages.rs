@@ -17,9 +17,9 @@ use nalgebra::Point2;
 
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::pointer::Pointer;
-pub use five_axis::path_text;
+pub use five_axis::{path_text, words_left_alone};
 pub use warning::{Warning, WarningCode};
-pub use writing::{missing, refused};
+pub use writing::{missing, refused, smoothed_twice};
 
 /// The member of the body at `path`, such as `/program/decimals`.
 fn member(path: &str) -> Pointer {

@@ -1,6 +1,7 @@
 //! Tests of smoothing through the interface: figures, samples and refusals.
 
 use serde_json::{Value, json};
+use toolpathd_core::machine::Straying;
 use toolpathd_core::machine::named;
 use toolpathd_core::toolpath::pose::{Pace, Waypoint};
 use toolpathd_post::path_text::{self, ReadSettings};
@@ -177,9 +178,11 @@ async fn written(body: &Value) -> (Vec<Waypoint>, Vec<Waypoint>) {
     let answer = post(&app(&[]), &format!("{SMOOTH}?format=gcode"), body.to_string(), &[]).await;
     assert_eq!(answer.status, 200, "{}", answer.text());
     let machine = named::by_name("table_table_ac");
-    let reading = ReadSettings { feed: None, limit: 100_000 };
+    let chords = Straying { tip_mm: 0.001, axis: 1e-4 };
+    let reading = ReadSettings { feed: None, limit: 100_000, chords };
     let read = path_text::nc::read(&answer.text(), machine.as_ref(), 50.0, reading).expect("a program");
-    (read, path_text::cl::read(body["cl"].as_str().expect("a text"), reading).expect("CL data"))
+    let given = path_text::cl::read(body["cl"].as_str().expect("a text"), reading).expect("CL data");
+    (read.path, given.path)
 }
 
 #[tokio::test]
@@ -236,9 +239,14 @@ async fn faults_of_texts_and_outputs_are_told_with_their_place() {
         (set(json!({ "nc": "G43.4 H1\nG0 X0 Y0 Z0 A5.\n" })), "#/nc", "out_of_range"),
         (set(json!({ "path": corner()["path"] })), "#/feed_mm_per_min", "feed_required"),
         (
-            set(json!({ "cl": goto, "feed_mm_per_min": 9, "axis_output": "angles" })),
+            set(json!({ "cl": goto, "feed_mm_per_min": 9, "axis_output": "vectors" })),
             "#/axis_output",
             "unsupported",
+        ),
+        (
+            set(json!({ "cl": goto, "feed_mm_per_min": 9, "axis_output": "angles" })),
+            "#/machine",
+            "missing_field",
         ),
         (
             set(json!({ "cl": goto, "feed_mm_per_min": 9, "axis_output": "machine" })),
@@ -297,4 +305,103 @@ async fn limits_are_proved_and_the_tool_counts_in_the_tolerance() {
         figure("toolpath_deviation_max_mm") + swing * figure("toolpath_deviation_max_deg").to_radians();
     assert!((figure("cut_deviation_max_mm") - expected).abs() < 1e-12, "{report}");
     assert!(figure("cut_deviation_max_mm") <= body["tolerance_mm"].as_f64().expect("a number"));
+}
+
+fn text_body(member: &str, text: &str) -> Value {
+    json!({
+        member: text, "tolerance_mm": 0.01, "tolerance_deg": 0.2, "machine": { "name": "table_table_ac" },
+        "program": { "dialect": "fanuc", "work_offset": "G54" },
+    })
+}
+
+/// The detail of the only violation, which is of the text.
+async fn refusal(member: &str, text: &str) -> String {
+    let answer = post(&app(&[]), SMOOTH, text_body(member, text).to_string(), &[]).await;
+    assert_eq!(answer.status, 422, "{text}: {}", answer.text());
+    assert_eq!(answer.violations(), [("out_of_range".to_owned(), format!("#/{member}"))]);
+    answer.json()["errors"][0]["detail"].as_str().expect("a text").to_owned()
+}
+
+#[tokio::test]
+async fn words_that_an_answer_cannot_hold_are_refused_with_their_line() {
+    let cl = "UNITS/MM\nLOADTL/1\nSPINDL/9000,RPM,CLW\nFEDRAT/500,MMPM\nGOTO/0,0,0,0,0,1\nGOTO/9,0,0,0,.1,1\n\
+        LOADTL/2\nSPINDL/2000,RPM,CCLW\nGOTO/20,0,0,0,.1,1\nFINI\n";
+    assert!(refusal("cl", cl).await.starts_with("line 8: SPINDL/CCLW is refused"));
+    let clockwise = cl.replace("CCLW", "CLW");
+    let detail = refusal("cl", &clockwise).await;
+    assert_eq!(
+        detail,
+        "line 7: tool 2 follows tool 1; send the motions of each tool as a request of its own"
+    );
+    let start = "G21 G90 G94\nG54\nG0 A0 C0\nG43.4 H1 X0. Y0. Z50.\nG1 Z0. F500.\nX10. A5.\n";
+    for (line, begins) in [
+        ("G81 X15. Y0. Z-5. R2. F100.", "line 7: G81 is refused: write each hole"),
+        ("G52 X10.", "line 7: the shift of coordinates is in force under tip control"),
+        ("M98 P1000", "line 7: M98 is refused"),
+        ("G55", "line 7: the work offset changes"),
+        ("FOO", "line 7: \"FOO\" is no known word"),
+    ] {
+        let detail = refusal("nc", &format!("{start}{line}\nX20. A10.\nM30\n")).await;
+        assert!(detail.starts_with(begins), "{detail}");
+    }
+}
+
+#[tokio::test]
+async fn tool_spindle_coolant_name_and_comments_of_a_text_are_carried_over() {
+    let text = "PARTNO/BLADE 9\nPPRINT/FIRST SIDE\nLOADTL/7\nSPINDL/9000,RPM,CLW\nCOOLNT/MIST\nFEDRAT/500,MMPM\n\
+        GOTO/0,0,0,0,0,1\nGOTO/9,0,0,0,.1,1\nDELAY/2\nOPSTOP\nDELAY/2\nGOTO/20,0,0,0,.1,1\nFINI\n";
+    let app = app(&[]);
+    let answer = post(&app, SMOOTH, text_body("cl", text).to_string(), &[]).await.json();
+    let of = |code: &str| {
+        let warnings = answer["warnings"].as_array().expect("warnings").iter();
+        warnings.filter(|own| own["code"] == code).map(|own| own["detail"].clone()).collect::<Vec<_>>()
+    };
+    let told =
+        "words of `cl` change nothing of the answer: DELAY 2 times, first in line 9, OPSTOP in line 10";
+    assert_eq!(of("words_left_alone"), [told]);
+    assert_eq!(of("no_tool_number").len() + of("no_spindle_speed").len(), 0);
+    let program =
+        post(&app, &format!("{SMOOTH}?format=gcode"), text_body("cl", text).to_string(), &[]).await.text();
+    for part in ["T7 M6", "S9000 M3", "M7", "G43.4 H7", "BLADE 9", "FIRST SIDE"] {
+        assert!(program.contains(part), "{part} is missing:\n{program}");
+    }
+    // What the request says counts before the text, and the text's own values are told.
+    let mut body = text_body("cl", text);
+    body["tool"] = json!({ "shape": "ball", "diameter_mm": 6, "number": 3 });
+    body["cutting"] = json!({ "feed_mm_per_min": 500, "spindle_rpm": 800, "coolant": "flood" });
+    let answer = post(&app, SMOOTH, body.to_string(), &[]).await.json();
+    let detail = answer["warnings"][0]["detail"].as_str().expect("a text");
+    assert!(
+        detail.ends_with("the tool number in line 3, the spindle speed in line 4, the coolant in line 5"),
+        "{detail}"
+    );
+}
+
+#[tokio::test]
+async fn arcs_of_texts_become_poses_within_an_eighth_of_the_tolerance() {
+    let cl = "FEDRAT/500,MMPM\nGOTO/0,0,0,0,0,1\nINDIRV/ 0.0, 1.0, 0.0\n\
+        TLON,GOFWD/ (CIRCLE/ 10.0, 0.0, 0.0, 10.0),ON,(LINE/ 10.0, 0.0, 0.0, 20.0, 0.0, 0.0)\nGOTO/30,0,0\n";
+    let answer = post(&app(&[]), SMOOTH, text_body("cl", cl).to_string(), &[]).await.json();
+    // Chords of half a circle of 10 mm with a height of 0.00125 mm: 100 of them.
+    let poses = answer["report"]["n_poses"].as_u64().expect("a count");
+    assert!((100..120).contains(&poses), "{answer}");
+    let length = answer["report"]["length_mm"].as_f64().expect("a length");
+    assert!((length - (10.0 * std::f64::consts::PI + 10.0)).abs() < 0.1, "{length}");
+}
+
+#[tokio::test]
+async fn blocks_of_inverse_time_take_their_time() {
+    // Ten seconds for a turn without tip control, five for a line, two for a turn about a resting tip.
+    let lines = "G21 G90 G93\nG0 X10 Y0 Z0 A-30 C0\nG1 C40 F6\nX20 F12\n";
+    let turn = "G21 G90 G93\nG43.4 H1\nG0 X10 Y0 Z0 A-30 C0\nG1 X20 F12\nA0 F30\n";
+    for (text, seconds) in [(lines, 15.0), (turn, 7.0)] {
+        let body = json!({
+            "nc": text, "tolerance_mm": 0.01, "tolerance_deg": 0.2, "machine": { "name": "table_table_ac" },
+        });
+        let answer = post(&app(&[]), SMOOTH, body.to_string(), &[]).await;
+        assert_eq!(answer.status, 200, "{}", answer.text());
+        let took = answer.json()["report"]["cycle_time_s"].as_f64().expect("a time");
+        // The rails round the corner between both blocks.
+        assert!((took / seconds - 1.0).abs() < 0.005, "{took} s of {seconds} s");
+    }
 }

@@ -67,6 +67,22 @@ async fn a_smooth_path_has_its_golden_rails() {
     }
 }
 
+#[tokio::test]
+async fn a_smooth_path_has_its_golden_program_of_switched_kinematics() {
+    let app = app(&["--workers", "1"]);
+    let (_, path, body) = OPERATIONS[3];
+    let body: Value = serde_json::from_str(body).expect("JSON");
+    let has_switch = |dialect: &&&Dialect| dialect.five_axes.switches_kinematics;
+    assert_eq!(DIALECTS.iter().filter(has_switch).count(), 1);
+    for dialect in DIALECTS.iter().filter(has_switch) {
+        let mut body = for_dialect(body.clone(), dialect);
+        body["axis_output"] = json!("angles");
+        let answer = post(&app, &format!("{path}?format=gcode"), body.to_string(), &[]).await;
+        assert_eq!(answer.status, 200, "{}: {}", dialect.name, answer.text());
+        check(&golden(dialect, "kinematics"), &shortened(&answer.text()));
+    }
+}
+
 /// The move home that a dialect has.
 fn safe_home(dialect: &Dialect) -> &'static str {
     use toolpathd_core::toolpath::program::SafeHome;

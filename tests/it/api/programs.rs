@@ -432,3 +432,38 @@ async fn a_name_with_an_umlaut_stays_readable_in_ascii() {
     );
     assert!(answer.headers["content-disposition"].to_str().expect("text").contains("Muller"));
 }
+
+#[tokio::test]
+async fn klartext_states_the_raw_part_where_the_stock_is_known() {
+    let app = app(&["--workers", "1"]);
+    let mut body: Value =
+        serde_json::from_str(include_str!("../../../openapi/examples/surfaces-mill/one-pass.json"))
+            .expect("JSON");
+    // A strip of 10 by 1 mm at height zero.
+    for (stock, corners) in [
+        (Value::Null, None),
+        (
+            json!({ "kind": "block", "top_z_mm": 3 }),
+            Some(["X+0.000 Y+0.000 Z-1.000", "X+10.000 Y+1.000 Z+3.000"]),
+        ),
+        (
+            json!({ "kind": "on_surface", "thickness_mm": 0.5 }),
+            Some(["X-0.500 Y-0.500 Z-1.000", "X+10.500 Y+1.500 Z+0.500"]),
+        ),
+    ] {
+        for dialect in ["heidenhain", "siemens"] {
+            body["program"] = json!({ "dialect": dialect });
+            if !stock.is_null() {
+                body["stock"] = stock.clone();
+            }
+            let answer = post(&app, &format!("{MILL}?format=gcode"), body.to_string(), &[]).await;
+            assert_eq!(answer.status, 200, "{}", answer.text());
+            let text = answer.text();
+            let found: Vec<&str> = text.lines().filter(|line| line.contains("BLK FORM")).collect();
+            let expected = corners.filter(|_| dialect == "heidenhain").into_iter().flatten();
+            let expected: Vec<&str> = expected.collect();
+            assert_eq!(found.len(), expected.len(), "{text}");
+            assert!(found.iter().zip(&expected).all(|(line, corner)| line.ends_with(corner)), "{text}");
+        }
+    }
+}

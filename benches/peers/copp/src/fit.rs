@@ -66,7 +66,7 @@ pub fn compare() {
 
 fn job(poses: &[Pose], tolerance_mm: f64) -> Job {
     let pace = Pace::Feed(FeedRate::from_mm_per_min(FEED_MM_PER_MIN).expect("a feed"));
-    let path = poses.iter().map(|pose| Waypoint { pose: *pose, pace }).collect();
+    let path = poses.iter().map(|pose| Waypoint::new(*pose, pace)).collect();
     let job = Job::new(path, tolerance_mm, TOLERANCE_DEG.to_radians());
     Job { top_mm: TOP_MM, method: Method::Tube, retract_mm: 0.0, ..job }
 }

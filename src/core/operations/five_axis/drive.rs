@@ -74,18 +74,20 @@ pub struct DrivenSample {
 }
 
 impl<'a> Drive<'a> {
+    /// The fastest motion on a machine, if there is one, with the angles of its rotary axes before the path.
+    ///
     /// # Errors
     /// Where the machine cannot follow the rails.
     pub fn new(
         rail: &'a Rail,
-        machine: Option<&'a Machine>,
+        machine: Option<(&'a Machine, [f64; 2])>,
         limits: &MotionLimits,
         budget: &Budget,
     ) -> Result<Self, FiveAxisError> {
         let some = |(u, joints): Followed| (u, Some(joints));
         let stations: Vec<Vec<(f64, Option<AxisPositions>)>> = match machine {
-            Some(machine) => {
-                let followed = resolved(rail, machine, budget)?;
+            Some((machine, start)) => {
+                let followed = resolved(rail, machine, start, budget)?;
                 followed.into_iter().map(|own| own.into_iter().map(some).collect()).collect()
             }
             None => {
@@ -93,6 +95,7 @@ impl<'a> Drive<'a> {
                 places.map(|own| own.into_iter().map(|u| (u, None)).collect()).collect()
             }
         };
+        let machine = machine.map(|(machine, _)| machine);
         let limits = Axes::new(machine, limits);
         let mut drive = Self { pieces: Vec::new(), machine, duration_s: 0.0, gap: None };
         for (piece, stations) in rail.pieces.iter().zip(stations) {

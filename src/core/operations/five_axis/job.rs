@@ -118,6 +118,11 @@ impl Job {
         }
     }
 
+    /// The angles of the rotary axes at the first pose, radians: zeros if they are not stated.
+    pub(super) fn start(&self) -> [f64; 2] {
+        self.path.first().and_then(|first| first.rotary).unwrap_or_default()
+    }
+
     /// The time between two samples of a motion.
     ///
     /// # Errors

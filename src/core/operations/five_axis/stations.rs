@@ -58,16 +58,22 @@ pub fn unfollowed(rail: &Rail) -> Vec<Vec<f64>> {
 }
 
 /// The stations of each piece, between which no rotary axis turns far. Beside the pole a rotary axis turns far
-/// on a short way: there the stations are as near as needed.
+/// on a short way: there the stations are as near as needed. `start` holds the angles of the rotary axes
+/// before the path, radians.
 ///
 /// # Errors
 /// Where the machine cannot follow the rails, and where an axis would have to jump.
-pub fn resolved(rail: &Rail, machine: &Machine, budget: &Budget) -> Result<Vec<Vec<Station>>, FiveAxisError> {
+pub fn resolved(
+    rail: &Rail,
+    machine: &Machine,
+    start: [f64; 2],
+    budget: &Budget,
+) -> Result<Vec<Vec<Station>>, FiveAxisError> {
     let mut places = unfollowed(rail);
     let mut farthest = (0.0, Point3::origin());
     for _ in 0..=MOST_ROUNDS {
         budget.check()?;
-        let stations = followed(rail, &places, machine)?;
+        let stations = followed(rail, &places, machine, start)?;
         let mut finer = Vec::with_capacity(places.len());
         farthest = (0.0, Point3::origin());
         for (piece, own) in rail.pieces.iter().zip(&stations) {
@@ -134,7 +140,12 @@ fn through_pole(machine: &Machine, span: &Span, u: f64, near: &AxisPositions) ->
 }
 
 /// The positions of the axes at places of all pieces.
-fn followed(rail: &Rail, places: &[Vec<f64>], machine: &Machine) -> Result<Vec<Vec<Station>>, FiveAxisError> {
+fn followed(
+    rail: &Rail,
+    places: &[Vec<f64>],
+    machine: &Machine,
+    start: [f64; 2],
+) -> Result<Vec<Vec<Station>>, FiveAxisError> {
     let (mut poses, mut of_spans) = (Vec::new(), Vec::new());
     for (Piece { spans, .. }, places) in rail.pieces.iter().zip(places) {
         let mut k = 0;
@@ -146,7 +157,7 @@ fn followed(rail: &Rail, places: &[Vec<f64>], machine: &Machine) -> Result<Vec<V
             of_spans.push((&spans[k], *u));
         }
     }
-    let mut joints = machine.follow_exactly(&poses, [0.0; 2]).map_err(|error| {
+    let mut joints = machine.follow_exactly(&poses, start).map_err(|error| {
         let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
         FiveAxisError::NotFollowed { error, at }
     })?;

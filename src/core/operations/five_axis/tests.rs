@@ -46,7 +46,7 @@ fn paper_like() -> (impl Fn(f64) -> Pose, Vec<Pose>) {
 
 fn at_feed(poses: &[Pose], mm_per_min: f64) -> Vec<Waypoint> {
     let pace = Pace::Feed(FeedRate::from_mm_per_min(mm_per_min).unwrap());
-    poses.iter().map(|pose| Waypoint { pose: *pose, pace }).collect()
+    poses.iter().map(|pose| Waypoint::new(*pose, pace)).collect()
 }
 
 fn given(job: &Job) -> Vec<Pose> {

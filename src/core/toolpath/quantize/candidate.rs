@@ -6,8 +6,8 @@ use nalgebra::{Vector2, Vector3};
 
 use super::bound::{self, Circular, Family};
 use super::{
-    ACCEPTED_STEPS, ArcPart, Form, Grid, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS, QuantizeError,
-    Written,
+    ACCEPTED_STEPS, ArcPart, Curves, Form, Grid, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS,
+    QuantizeError, Written,
 };
 use crate::geometry::curve::{Arc, Curve};
 
@@ -26,13 +26,15 @@ struct Rounded<'a> {
     source: Circular,
     /// The largest difference of the radii at the ends that the control accepts, mm.
     mismatch_mm: f64,
+    /// The largest bound of the distance from the source that is accepted, mm.
+    accepted_mm: f64,
 }
 
 /// The arc nearest to `piece` among those with rounded ends and a centre on the grid, if one is near enough.
 /// The centre of the source is projected onto the perpendicular bisector of the rounded ends. The nine grid
-/// points around it are tried as centres. The radii at the ends differ by at most `mismatch_mm`.
-pub fn best(piece: &ArcPart, grid: &Grid, mismatch_mm: f64) -> Result<Option<Written>, QuantizeError> {
-    let rounded = Rounded::new(piece, grid, mismatch_mm)?;
+/// points around it are tried as centres. The radii at the ends differ by no more than the control accepts.
+pub fn best(piece: &ArcPart, grid: &Grid, runs: &Curves) -> Result<Option<Written>, QuantizeError> {
+    let rounded = Rounded::new(piece, grid, runs)?;
     let [a, b] = rounded.in_plane(rounded.start_units);
     let [to_a, to_b] = rounded.in_plane(rounded.end_units);
     let closes = a == to_a && b == to_b;
@@ -52,7 +54,7 @@ pub fn best(piece: &ArcPart, grid: &Grid, mismatch_mm: f64) -> Result<Option<Wri
 }
 
 impl<'a> Rounded<'a> {
-    fn new(piece: &'a ArcPart<'a>, grid: &'a Grid, mismatch_mm: f64) -> Result<Self, QuantizeError> {
+    fn new(piece: &'a ArcPart<'a>, grid: &'a Grid, runs: &Curves) -> Result<Self, QuantizeError> {
         let plane = piece.arc.plane();
         let (start, end) = (piece.start(), piece.end());
         let (start_units, end_units) = (grid.round(&start)?, grid.round(&end)?);
@@ -70,7 +72,8 @@ impl<'a> Rounded<'a> {
             start: plane.to_local(&grid.point(start_units)),
             end: plane.to_local(&grid.point(end_units)),
             source,
-            mismatch_mm,
+            mismatch_mm: runs.radius_mismatch_mm,
+            accepted_mm: (ACCEPTED_STEPS - runs.reserved_steps(piece.arc)) * grid.step_mm(),
         })
     }
 
@@ -112,7 +115,7 @@ impl<'a> Rounded<'a> {
         let center = Vector2::new(grid.mm(a + i), grid.mm(b + j));
         let family = Family { center, start: self.start, end: self.end, to_start, to_end, sweep, sense };
         let of_family = bound::distance(&family, &self.source)?;
-        if of_family > ACCEPTED_STEPS * step {
+        if of_family > self.accepted_mm {
             return None;
         }
         let plane = arc.plane();
@@ -125,7 +128,7 @@ impl<'a> Rounded<'a> {
         }
         let exactly = Circular::of(&exact);
         let displacement_mm = of_family.max(bound::distance(&Family::of(&exactly), &self.source)?);
-        if displacement_mm > ACCEPTED_STEPS * step {
+        if displacement_mm > self.accepted_mm {
             return None;
         }
         Some(Written {

@@ -24,6 +24,11 @@ pub struct Control {
     pub angles: Option<i32>,
     /// The code that begins tip control with vectors of the tool axis, with an H word.
     pub vectors: Option<i32>,
+    /// The M codes after which coordinates are those of the tip, and those of the axes again.
+    pub kinematics: Option<[i32; 2]>,
+    pub smoothing: SmoothingWord,
+    /// The largest F under G93.
+    pub most_inverse_time: f64,
 }
 
 /// The letter O and at least `digits` digits.
@@ -31,6 +36,18 @@ pub struct Control {
 pub struct ProgramNumber {
     pub digits: usize,
     pub max: u32,
+}
+
+/// The word that chooses how closely a control keeps the path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SmoothingWord {
+    None,
+    /// G64 P: the distance by which corners are rounded.
+    Blending,
+    /// G5.1 Q1 begins contour control, with R from 1 (fast) to 10 (precise); G5.1 Q0 ends it.
+    ContourControl,
+    /// G187 P from 1 (rough) to 3 (finish), E the largest rounding of corners; alone it ends it.
+    G187,
 }
 
 /// The word that holds the time of G4.
@@ -49,7 +66,8 @@ impl Control {
     pub fn of(name: &str) -> Self {
         match name {
             "linuxcnc" => LINUXCNC,
-            "fanuc" | "mazak" => FANUC,
+            "fanuc" => FANUC,
+            "mazak" => Control { smoothing: SmoothingWord::None, ..FANUC },
             "haas" => HAAS,
             "grbl" => GRBL,
             "mach4" => MACH4,
@@ -76,26 +94,52 @@ const ISO: Control = Control {
     work_offset: None,
     angles: None,
     vectors: None,
+    kinematics: None,
+    smoothing: SmoothingWord::None,
+    // B-62764EN, 5.3: 0.001 to 9999.999 in mm and in inches.
+    most_inverse_time: 9999.999,
 };
 
 /// Tool centre point control is G43.4 with rotary axes (type 1), and G43.5 with the tool axis as I, J, K
 /// (type 2).
-const FANUC: Control = Control { dwell: Dwell::Milliseconds, angles: Some(434), vectors: Some(435), ..ISO };
+const FANUC: Control = Control {
+    dwell: Dwell::Milliseconds,
+    angles: Some(434),
+    vectors: Some(435),
+    smoothing: SmoothingWord::ContourControl,
+    ..ISO
+};
 
 /// Tool centre point control is G234, for angles alone. Program numbers have five digits.
 const HAAS: Control = Control {
     program_number: Some(ProgramNumber { digits: 5, max: 99_999 }),
     angles: Some(2340),
     vectors: None,
+    smoothing: SmoothingWord::G187,
     ..FANUC
 };
 
 /// A program is a file that ends with M2 or M30. G5.1 is a quadratic spline.
-const LINUXCNC: Control =
-    Control { has_tape_marks: false, program_number: None, needs_points: false, has_parabolas: true, ..ISO };
+const LINUXCNC: Control = Control {
+    has_tape_marks: false,
+    program_number: None,
+    needs_points: false,
+    has_parabolas: true,
+    // configs/sim/axis/vismach/5axis/table-rotary-tilting/xyzac-trt.txt: M428 is XYZAC (TCP), M429 identity.
+    kinematics: Some([4280, 4290]),
+    smoothing: SmoothingWord::Blending,
+    most_inverse_time: f64::INFINITY,
+    ..ISO
+};
 
 /// G43 is unknown: the control has no table of tools.
-const GRBL: Control = Control { has_parabolas: false, length_offset: None, ..LINUXCNC };
+const GRBL: Control = Control {
+    has_parabolas: false,
+    length_offset: None,
+    kinematics: None,
+    smoothing: SmoothingWord::None,
+    ..LINUXCNC
+};
 
 /// G91.1 makes the offsets of centres incremental.
 const MACH4: Control =

@@ -17,14 +17,31 @@ pub struct Leaning {
 }
 
 impl Leaning {
-    pub fn apply(&mut self, code: i32, control: &Control) {
+    /// Returns whether coordinates are those of another point behind the code.
+    pub fn apply(&mut self, code: i32, control: &Control) -> bool {
+        let before = self.mode;
         if Some(code) == control.angles {
             self.mode = TipMode::Angles;
         } else if Some(code) == control.vectors {
             self.mode = TipMode::Vectors;
-        } else if code == NO_OFFSET {
+        } else if code == NO_OFFSET && control.kinematics.is_none() {
             self.mode = TipMode::Off;
         }
+        self.mode != before
+    }
+
+    /// The same for the M codes of a block, which may hold no other word.
+    pub fn switch(&mut self, words: &Words, control: &Control) -> Result<bool, Fault> {
+        let Some([tip, axes]) = control.kinematics else { return Ok(false) };
+        if !words.m.has(tip) && !words.m.has(axes) {
+            return Ok(false);
+        }
+        let is_alone = words.m.all().len() == 1 && words.g.all().is_empty();
+        if !is_alone || words.first_of("XYZABCIJKFHST").is_some() {
+            return Err(Fault::Conflict);
+        }
+        let mode = if words.m.has(tip) { TipMode::Angles } else { TipMode::Off };
+        Ok(std::mem::replace(&mut self.mode, mode) != mode)
     }
 
     /// # Errors
@@ -68,7 +85,11 @@ impl Reader {
         let feed = match (motion, self.modal.feed_mode) {
             (Motion::Rapid, _) => PosedFeed::Rapid,
             (_, Some(FeedMode::InverseTime)) => {
-                PosedFeed::Seconds(60.0 / words.get('F').filter(|f| *f > 0.0).ok_or(Fault::NoFeed)?)
+                let feed = words.get('F').filter(|f| *f > 0.0).ok_or(Fault::NoFeed)?;
+                if feed > self.control.most_inverse_time {
+                    return Err(Fault::BadNumber('F'));
+                }
+                PosedFeed::Seconds(60.0 / feed)
             }
             _ => PosedFeed::Feed(self.modal.feed.ok_or(Fault::NoFeed)?),
         };

@@ -7,7 +7,7 @@ use crate::nc::{Codes, Fault, Lexer, Token};
 const MAX_NUMBER_LENGTH: usize = 40;
 
 /// Letters that carry a value, at most once a line.
-const VALUES: &str = "ABCFHIJKNPQSTXYZ";
+const VALUES: &str = "ABCEFHIJKNPQRSTXYZ";
 
 /// The text of every value by its letter, and the G and M codes in tenths.
 pub struct Words<'a> {

@@ -36,7 +36,7 @@ impl Reader<'_> {
             return Err(Fault::Word("X", WordFault::Missing));
         }
         if self.mode == TipMode::Vectors {
-            return Err(Fault::UnderTipControl);
+            return self.across(&words).map(Some);
         }
         let from = self.moved(words.three(LINEAR));
         let before = self.angles;
@@ -55,6 +55,18 @@ impl Reader<'_> {
             return Err(Fault::UnknownStart);
         }
         Ok(Some(Cut::between(from, self.at, rate)?.line()))
+    }
+
+    /// `L X+0 Y+16 R0 FMAX` before the first vector: the tip goes across, at whatever height it is.
+    fn across(&mut self, words: &Words) -> Result<Step, Fault> {
+        let is_known = self.at.iter().any(Option::is_some) || self.vector.is_some();
+        let has_others = words.get("Z").is_some() || words.three(ROTARY).iter().any(Option::is_some);
+        if is_known || has_others || words.speed != Some(Speed::Rapid) {
+            return Err(Fault::UnderTipControl);
+        }
+        let from = self.moved(words.three(LINEAR));
+        let (to, angles, mode) = (self.at, [None; 3], self.mode);
+        Ok(Step::Posed(Posed { from, to, angles, vector: None, mode, feed: PosedFeed::Rapid }))
     }
 
     /// `L Z+0 R0 FMAX M91`, a rapid in the machine's coordinates.

@@ -11,6 +11,7 @@ pub const VECTOR: &[&str] = &["X", "Y", "Z", "TX", "TY", "TZ", "R", "F", "M", "M
 pub const CENTER: &[&str] = &["X", "Y", "Z", "X"];
 pub const ARC: &[&str] = &["X", "Y", "Z", "X", "DR", "R", "F", "M", "M", "M", "M"];
 pub const HELIX: &[&str] = &["IPA", "IZ", "DR", "R", "F", "M", "M", "M", "M"];
+pub const CORNER: &[&str] = &["X", "Y", "Z"];
 pub const FUNCTIONS: &[&str] = &["M", "M", "M", "M"];
 
 /// Names with a number. `Words::get` finds a number by the place of its name.

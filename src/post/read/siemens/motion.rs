@@ -10,6 +10,9 @@ use crate::nc::{Fault, FeedMode, Motion, WordFault};
 const LINEAR: [char; 3] = ['X', 'Y', 'Z'];
 const OFFSETS: [&str; 3] = ["I", "J", "K"];
 
+/// The largest F under G93.
+const MOST_INVERSE_TIME: f64 = 99_999.99;
+
 impl Reader<'_> {
     /// The motion of a block; none where the block has no coordinates.
     pub(super) fn motion(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
@@ -123,7 +126,11 @@ impl Reader<'_> {
     fn posed_feed(&self, words: &Words, needs_time: bool) -> Result<PosedFeed, Fault> {
         match self.modal.feed_mode {
             Some(FeedMode::InverseTime) => {
-                Ok(PosedFeed::Seconds(60.0 / words.get('F').ok_or(Fault::NoFeed)?))
+                let feed = words.get('F').ok_or(Fault::NoFeed)?;
+                if feed > MOST_INVERSE_TIME {
+                    return Err(Fault::Word("F", WordFault::Range));
+                }
+                Ok(PosedFeed::Seconds(60.0 / feed))
             }
             _ if needs_time => Err(Fault::Conflict),
             _ => Ok(PosedFeed::Feed(self.modal.feed.ok_or(Fault::NoFeed)?)),

@@ -58,7 +58,7 @@ const BOTH_GROUPS: &str = "(\"AXES\",\"VECT\")";
 
 /// The words of a line.
 #[derive(Debug, Default)]
-pub struct Words {
+pub struct Words<'t> {
     /// The N word.
     pub number: Option<u32>,
     values: [Option<f64>; VALUES.len()],
@@ -68,13 +68,15 @@ pub struct Words {
     pub keyword: Option<Keyword>,
     /// ADIS: the distance from a corner at which rounding begins.
     pub rounding: Option<f64>,
+    /// The arguments of CYCLE832.
+    pub smoothing: Option<&'t str>,
 }
 
-impl Words {
+impl<'t> Words<'t> {
     /// # Errors
     /// When a character begins no word, a word stands twice, its number has another form, or two words
     /// exclude each other.
-    pub fn of(line: &str, dialect: &Dialect) -> Result<Self, Fault> {
+    pub fn of(line: &'t str, dialect: &Dialect) -> Result<Self, Fault> {
         let mut words = Self::default();
         let mut is_first = true;
         let mut rest = trimmed(line);
@@ -89,6 +91,7 @@ impl Words {
                 "N" if is_first => words.take_number(behind)?,
                 "N" => return Err(Fault::Word("N", WordFault::Order)),
                 "ADIS" => words.take_rounding(behind)?,
+                "CYCLE" => words.take_cycle(behind)?,
                 "G" | "M" => words.take_code(letters, behind)?,
                 _ if letters.len() > 1 => words.take_keyword(letters, behind)?,
                 _ => words.take(letters, behind, dialect)?,
@@ -99,14 +102,14 @@ impl Words {
         Ok(words)
     }
 
-    fn take_number<'t>(&mut self, text: &'t str) -> Result<&'t str, Fault> {
+    fn take_number(&mut self, text: &'t str) -> Result<&'t str, Fault> {
         let (number, rest) = Number::at_start(text).ok_or(Fault::Word("N", WordFault::Number))?;
         let count = number.count().filter(|_| number.whole.len() <= NUMBER_DIGITS);
         self.number = Some(count.ok_or(Fault::Word("N", WordFault::Form))?);
         cleanly("N", rest)
     }
 
-    fn take_rounding<'t>(&mut self, text: &'t str) -> Result<&'t str, Fault> {
+    fn take_rounding(&mut self, text: &'t str) -> Result<&'t str, Fault> {
         let number = text.strip_prefix('=').and_then(Number::at_start);
         let (number, rest) = number.ok_or(Fault::Word("ADIS", WordFault::Number))?;
         if number.sign.is_some() {
@@ -118,7 +121,17 @@ impl Words {
         cleanly("ADIS", rest)
     }
 
-    fn take_code<'t>(&mut self, letter: &str, text: &'t str) -> Result<&'t str, Fault> {
+    /// `832(0.01,_FINISH,1)`.
+    fn take_cycle(&mut self, text: &'t str) -> Result<&'t str, Fault> {
+        let inside = text.strip_prefix("832(").and_then(|inside| inside.split_once(')'));
+        let (arguments, rest) = inside.ok_or(Fault::Word("CYCLE832", WordFault::Form))?;
+        if self.smoothing.replace(arguments).is_some() {
+            return Err(Fault::Word("CYCLE832", WordFault::Twice));
+        }
+        Ok(rest)
+    }
+
+    fn take_code(&mut self, letter: &str, text: &'t str) -> Result<&'t str, Fault> {
         let is_g = letter == "G";
         let (name, groups, codes): (_, &[&[u16]], _) =
             if is_g { ("G", &G_GROUPS, &mut self.g) } else { ("M", &M_GROUPS, &mut self.m) };
@@ -135,7 +148,7 @@ impl Words {
         cleanly(name, rest)
     }
 
-    fn take_keyword<'t>(&mut self, letters: &str, rest: &'t str) -> Result<&'t str, Fault> {
+    fn take_keyword(&mut self, letters: &str, rest: &'t str) -> Result<&'t str, Fault> {
         let first = letters.chars().next().unwrap_or_default();
         let known = KEYWORDS.iter().find(|(word, _)| *word == letters);
         let &(name, keyword) = known.ok_or(Fault::UnknownWord(first))?;
@@ -156,7 +169,7 @@ impl Words {
         }
     }
 
-    fn take<'t>(&mut self, letter: &str, text: &'t str, dialect: &Dialect) -> Result<&'t str, Fault> {
+    fn take(&mut self, letter: &str, text: &'t str, dialect: &Dialect) -> Result<&'t str, Fault> {
         let Some(place) = VALUES.iter().position(|name| *name == letter) else {
             return Err(Fault::UnknownWord(letter.chars().next().unwrap_or_default()));
         };

@@ -35,6 +35,7 @@ fn cut() -> Cut {
             },
             dialect: toolpathd_post::DIALECTS[0],
             five_axes: None,
+            called: None,
         },
         comments: vec!["PROVED".to_owned()],
         nc: None,

@@ -37,7 +37,7 @@ impl AxisSetup {
         }
         let output = match sent {
             Some(output) => output,
-            None if machine.is_some() && words.angles.is_some() => Angles,
+            None if machine.is_some() && words.angles.is_some() && !words.switches_kinematics => Angles,
             None if machine.is_some() => Positions,
             None if words.vectors.is_some() => Vectors,
             None => return None,

@@ -5,9 +5,9 @@ use utoipa::ToSchema;
 
 use super::dialect::DEFAULT;
 use toolpathd_core::toolpath::cutting::Coolant;
-use toolpathd_core::toolpath::program::{SafeHome, Units};
+use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode, Units};
 use toolpathd_post::DIALECTS;
-use toolpathd_post::dialect::{Arcs, AxisOutput, Parabolas, Verification};
+use toolpathd_post::dialect::{Arcs, AxisOutput, Parabolas, SmoothingWords, Verification};
 
 /// The dialects in which programs can be written.
 #[derive(Debug, Serialize, ToSchema)]
@@ -62,9 +62,37 @@ pub struct Dialect {
     needs_tool: bool,
     /// Whether `tool.length_offset` may differ from `tool.number`.
     length_offsets: bool,
+    /// The members of `program.smoothing` that the control's word takes. Absent where the control has no word
+    /// for smoothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    smoothing: Option<SmoothingMembers>,
     /// Legal values of `axis_output`: how programs state the axis of a leaning tool. Empty for a control of
     /// three axes.
     axis_output: Vec<AxisOutput>,
+}
+
+/// What the word for smoothing of one control takes.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct SmoothingMembers {
+    /// Whether `tolerance_mm` may be sent.
+    tolerance_mm: bool,
+    /// Whether `tolerance_mm` has to be sent.
+    needs_tolerance_mm: bool,
+    /// Whether `tolerance_deg` may be sent.
+    tolerance_deg: bool,
+    /// Legal values of `mode`.
+    modes: &'static [SmoothingMode],
+}
+
+impl From<SmoothingWords> for SmoothingMembers {
+    fn from(words: SmoothingWords) -> Self {
+        Self {
+            tolerance_mm: words.takes_tolerance,
+            needs_tolerance_mm: words.needs_tolerance,
+            tolerance_deg: words.takes_degrees,
+            modes: words.modes,
+        }
+    }
 }
 
 /// Numbers of decimals by units.
@@ -109,6 +137,7 @@ impl From<&toolpathd_post::Dialect> for Dialect {
             comments: abilities.has_comments,
             needs_tool: abilities.needs_tool,
             length_offsets: abilities.length_offsets.is_some(),
+            smoothing: dialect.smoothing.map(SmoothingMembers::from),
             axis_output: dialect.five_axes.outputs().collect(),
         }
     }

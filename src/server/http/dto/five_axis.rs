@@ -4,6 +4,7 @@ mod limits;
 mod machine;
 mod mtconnect;
 mod samples;
+mod text;
 
 use nalgebra::Point3;
 use serde::Deserialize;
@@ -27,13 +28,14 @@ use crate::http::pointer::Pointer;
 use limits::SentLimits;
 pub use machine::{Machines, SentMachine};
 pub use samples::{Sample, SampleMembers, SmoothMembers, SmoothQuery};
+pub use text::Carried;
 use toolpathd_core::machine::{Machine, Straying};
 use toolpathd_core::operations::five_axis::{self as core, AtPole, Method};
 use toolpathd_core::toolpath::cutting::CuttingRequest;
 use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_post::AxisOutput;
-use toolpathd_post::path_text::{self, PathTextError, ReadSettings};
+use toolpathd_post::path_text::{self, PathText, PathTextError, ReadSettings};
 
 /// Legal values of `tolerance_mm`, of `tolerance_deg`, of `sample_period_ms` and of `retract_mm`.
 const TOLERANCE_MM: Range = Range { min: 1e-5, max: 10.0 };
@@ -50,10 +52,12 @@ pub struct SmoothRequest {
     #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(value_type = Option<PoseList>)]
     path: Option<Vec<SentPose>>,
-    /// The text of APT CL data: `GOTO/x,y,z,i,j,k` with `FEDRAT` and `RAPID`.
+    /// The text of APT CL data: `GOTO/x,y,z,i,j,k` with `FEDRAT` and `RAPID`. Each word is read, or left
+    /// alone with a warning, or refused with its line; docs/five-axis-programs.md lists all words.
     cl: Option<String>,
     /// The text of an NC program of five axes: Fanuc with G43.4 or G43.5, Siemens with TRAORI, Heidenhain
-    /// with M128. A program without any of these states the positions of the axes of `machine`.
+    /// with M128, LinuxCNC with M428. A program without any of these states the positions of the axes of
+    /// `machine`. Words are treated as those of `cl`.
     nc: Option<String>,
     /// Speed of the tip where the path states no feed, in mm/min. Where the tip rests and the axis turns, the
     /// top of the tool moves at this speed. Default: `cutting.feed_mm_per_min`.
@@ -147,6 +151,7 @@ pub struct SmoothJob {
     /// Whether the request says anything about a program.
     pub has_program: bool,
     pub meta: Option<Meta>,
+    pub text: Carried,
 }
 
 impl IntoJob for SmoothRequest {
@@ -194,11 +199,17 @@ impl IntoJob for SmoothRequest {
         let feed =
             feed_mm_per_min.and_then(FeedRate::from_mm_per_min).or(cutting.map(|cutting| cutting.feed));
         let given = Given { path, cl, nc };
-        let reading = ReadSettings { feed, limit: limits.curve_points };
-        let path = given.read(machine.as_ref(), top_mm, reading, &mut violations);
+        let part = |tolerance: f64| core::CHORDS * tolerance;
+        let chords = Straying {
+            tip_mm: part(tolerance_mm.max(TOLERANCE_MM.min)),
+            axis: part(tolerance_deg.max(TOLERANCE_DEG.min).to_radians()),
+        };
+        let reading = ReadSettings { feed, limit: limits.curve_points, chords };
+        let member = given.member();
+        let text = given.read(machine.as_ref(), top_mm, reading, &mut violations);
+        let (path, text) = Carried::new(text, member, &mut setup, cutting.as_ref(), &mut violations);
 
         let step_mm = setup.program.resolution.step_mm();
-        let part = |tolerance: f64| core::CHORDS * tolerance;
         let allowed =
             Straying { tip_mm: part(tolerance_mm).max(step_mm), axis: part(tolerance_deg.to_radians()) };
         setup.five_axes =
@@ -224,7 +235,7 @@ impl IntoJob for SmoothRequest {
             // Half a unit along each coordinate.
             rounding_mm: 0.5 * 3f64.sqrt() * step_mm + strays_mm,
         };
-        Ok(SmoothJob { job, setup, cutting, has_program, meta })
+        Ok(SmoothJob { job, setup, cutting, has_program, meta, text })
     }
 }
 
@@ -236,42 +247,50 @@ struct Given {
 }
 
 impl Given {
-    /// The path in the core's terms. Adds violations to `violations`.
+    /// The member that holds the text.
+    fn member(&self) -> &'static str {
+        if self.cl.is_some() { "cl" } else { "nc" }
+    }
+
+    /// The path in the core's terms, and what a text says beside it. Adds violations to `violations`.
     fn read(
         self,
         machine: Option<&Machine>,
         top_mm: f64,
         reading: ReadSettings,
         violations: &mut Violations,
-    ) -> Vec<Waypoint> {
+    ) -> PathText {
         let root = Pointer::root();
-        let told = |at: &str, read: Result<Vec<Waypoint>, PathTextError>, violations: &mut Violations| {
+        let told = |at: &str, read: Result<PathText, PathTextError>, violations: &mut Violations| {
             let at = root.field(at);
             match read {
-                Ok(path) if path.len() < 2 => {
+                Ok(text) if text.path.len() < 2 => {
                     violations.add(&at, FieldCode::OutOfRange, "the text has fewer than two poses");
-                    Vec::new()
+                    PathText::default()
                 }
-                Ok(path) => path,
+                Ok(text) => text,
                 Err(error) => {
                     violations.add(&at, FieldCode::OutOfRange, messages::path_text(&error));
-                    Vec::new()
+                    PathText::default()
                 }
             }
         };
         match (self.path, self.cl, self.nc) {
-            (Some(path), None, None) => waypoints(&path, &root.field("path"), reading, violations),
+            (Some(path), None, None) => PathText {
+                path: waypoints(&path, &root.field("path"), reading, violations),
+                ..PathText::default()
+            },
             (None, Some(text), None) => told("cl", path_text::cl::read(&text, reading), violations),
             (None, None, Some(text)) => {
                 told("nc", path_text::nc::read(&text, machine, top_mm, reading), violations)
             }
             (None, None, None) => {
                 violations.add(&root.field("path"), FieldCode::MissingField, "send `path`, `cl` or `nc`");
-                Vec::new()
+                PathText::default()
             }
             _ => {
                 violations.add(&root, FieldCode::Conflict, "send only one of `path`, `cl` and `nc`");
-                Vec::new()
+                PathText::default()
             }
         }
     }
@@ -308,7 +327,7 @@ fn waypoints(
             _ => Pace::Rapid,
         };
         if let Some(axis) = axis::unit(*axis, &at.index(k).field("axis"), violations) {
-            waypoints.push(Waypoint { pose: Pose { tip: Point3::from(*tip), axis }, pace });
+            waypoints.push(Waypoint::new(Pose { tip: Point3::from(*tip), axis }, pace));
         }
     }
     if is_feed_missing {

@@ -64,7 +64,8 @@ pub struct MillRequest {
     /// above the finished surface plus `allowance_mm`, and the answer warns. `wire_union` brings rapids down
     /// to `cutting.retract_z_mm`, by default 2 mm above the part's highest point, or above the top of `stock`
     /// where that is higher. `wire_union` does not warn where `stock` is absent. Where raw material stands
-    /// higher than the part, send `stock`, or the rapids run into it.
+    /// higher than the part, send `stock`, or the rapids run into it. Programs for Heidenhain state the box
+    /// around the part and its stock (BLK FORM).
     stock: Option<Stock>,
     /// How the cutter comes down to a pass of `cl_cartesian`. Default: a plunge.
     entry: Option<Entry>,

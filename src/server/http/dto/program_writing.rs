@@ -177,6 +177,10 @@ pub struct WriteReport {
     arc_adjustment_max_mm: f64,
     /// Largest difference between the radii at the start and at the end of a written arc, in mm.
     radius_mismatch_max_mm: f64,
+    /// How much longer blocks under G93 take in all that are too short for the largest F that the control
+    /// reads, in s. Absent where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slowed_s: Option<f64>,
     /// Number of written blocks that move or pause.
     n_blocks: usize,
     /// Length of the program, in bytes.
@@ -197,6 +201,7 @@ impl WriteReport {
             deviation_max_deg: setup.five_axes.as_ref().map(|_| written.max_displacement_axis.to_degrees()),
             arc_adjustment_max_mm: job.moved_mm,
             radius_mismatch_max_mm: written.max_radius_mismatch_mm,
+            slowed_s: (written.slowed.blocks > 0).then_some(written.slowed.by_s),
             n_blocks: written.blocks,
             n_bytes: written.text.len(),
             units,

@@ -28,6 +28,8 @@ pub struct Setup {
     pub dialect: &'static Dialect,
     /// How the axis of a leaning tool is written. `None` where it is straight up.
     pub five_axes: Option<AxisSetup>,
+    /// The number of the tool that the text of a path calls. The request describes no tool then.
+    pub called: Option<u32>,
 }
 
 /// A job of an operation with its setup.
@@ -53,6 +55,6 @@ impl SentSetup {
             let (at, detail) = messages::missing(&missing);
             violations.add(&at, FieldCode::Unsupported, detail);
         }
-        (Setup { tool, program, dialect, five_axes: None }, cutting, meta)
+        (Setup { tool, program, dialect, five_axes: None, called: None }, cutting, meta)
     }
 }

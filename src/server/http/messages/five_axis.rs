@@ -6,7 +6,7 @@ use crate::http::error::{ApiError, Code, FieldCode};
 use toolpathd_core::operations::five_axis::{self, FiveAxisError};
 use toolpathd_core::toolpath::PathError;
 use toolpathd_core::toolpath::units::rounded_up;
-use toolpathd_post::path_text::{PathFault, PathTextError};
+use toolpathd_post::path_text::{LeftWord, PathFault, PathTextError};
 
 impl From<&five_axis::Warning> for Warning {
     fn from(warning: &five_axis::Warning) -> Self {
@@ -71,4 +71,17 @@ pub fn path_text(error: &PathTextError) -> String {
         PathFault::NoMachine => format!("{error}; send `machine`"),
         _ => error.to_string(),
     }
+}
+
+/// The warning of the words of `member`, `cl` or `nc`, that were left alone. `None` without such words.
+pub fn words_left_alone(member: &str, words: &[LeftWord]) -> Option<Warning> {
+    let told = |LeftWord { word, count, line }: &LeftWord| match count {
+        1 => format!("{word} in line {line}"),
+        count => format!("{word} {count} times, first in line {line}"),
+    };
+    let all: Vec<String> = words.iter().map(told).collect();
+    (!all.is_empty()).then(|| Warning {
+        code: WarningCode::WordsLeftAlone,
+        detail: format!("words of `{member}` change nothing of the answer: {}", all.join(", ")),
+    })
 }

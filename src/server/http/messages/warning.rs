@@ -61,6 +61,8 @@ pub enum WarningCode {
     NoWorkOffset,
     /// `tool.length_offset` differs from `tool.number`.
     LengthOffsetDiffers,
+    /// Words of `cl` or `nc` change nothing of the answer.
+    WordsLeftAlone,
     /// `cutting.clearance_z_mm` is absent: the service chose a clearance plane above everything that is cut.
     ClearanceChosen,
 }

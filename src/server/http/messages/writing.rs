@@ -5,9 +5,9 @@ use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::machine::FollowError;
 use toolpathd_core::toolpath::cutting::Coolant;
-use toolpathd_core::toolpath::program::SafeHome;
+use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode};
 use toolpathd_core::toolpath::quantize::QuantizeError;
-use toolpathd_post::{CustomFault, CustomPart, Missing, Refused, WriteError};
+use toolpathd_post::{CustomFault, CustomPart, Missing, OwnSmoothing, Refused, WriteError};
 
 impl From<QuantizeError> for ApiError {
     fn from(error: QuantizeError) -> Self {
@@ -44,6 +44,11 @@ impl From<WriteError> for ApiError {
                 let (at, detail) = refused(&error);
                 violation(&at, FieldCode::Unsupported, detail)
             }
+            WriteError::SmoothedTwice(own) => {
+                let (at, detail) = smoothed_twice(&own);
+                violation(&at, FieldCode::Unsupported, detail)
+            }
+            WriteError::SmallTolerance { .. } => out_of_range("/program/smoothing", fact),
             WriteError::NoDwells => unsupported("/program/dialect", fact),
             // Block numbers and decimals make lines long.
             WriteError::LineTooLong { .. } => out_of_range("/program/decimals", fact),
@@ -88,6 +93,22 @@ pub fn missing(missing: &Missing) -> (Pointer, String) {
         }
         Missing::SafeHome { has, .. } => ("/program/safe_home", format!("send {}", any_of(has, safe_home))),
         Missing::Coolant { has, .. } => ("/cutting/coolant", format!("send {}", any_of(has, coolant))),
+        Missing::Smoothing { .. } => {
+            ("/program/smoothing", "leave `smoothing` out, or choose another dialect".to_owned())
+        }
+        Missing::SmoothingMember { member: "mode", .. } => {
+            ("/program/smoothing/mode", "leave it out".to_owned())
+        }
+        Missing::SmoothingMember { member: "tolerance_deg", .. } => {
+            ("/program/smoothing/tolerance_deg", "leave it out".to_owned())
+        }
+        Missing::SmoothingMember { .. } => {
+            ("/program/smoothing/tolerance_mm", "leave it out: a parameter of the control has it".to_owned())
+        }
+        Missing::SmoothingTolerance { .. } => ("/program/smoothing", "send `tolerance_mm`".to_owned()),
+        Missing::SmoothingMode { has, .. } => {
+            ("/program/smoothing/mode", format!("send {}", any_of(has, smoothing_mode)))
+        }
         Missing::Tool { .. } => ("/tool", "send `tool`".to_owned()),
         Missing::ToolNumber { most, .. } => ("/tool/number", format!("send a number of at most {most}")),
         Missing::LengthOffset { .. } => ("/tool/length_offset", "leave `length_offset` out".to_owned()),
@@ -110,6 +131,14 @@ fn safe_home(home: &SafeHome) -> &'static str {
     }
 }
 
+fn smoothing_mode(mode: &SmoothingMode) -> &'static str {
+    match mode {
+        SmoothingMode::Roughing => "roughing",
+        SmoothingMode::SemiFinishing => "semi_finishing",
+        SmoothingMode::Finishing => "finishing",
+    }
+}
+
 fn coolant(coolant: &Coolant) -> &'static str {
     match coolant {
         Coolant::Off => "off",
@@ -120,11 +149,6 @@ fn coolant(coolant: &Coolant) -> &'static str {
 
 /// The place of a shop's own line that is refused, and the detail.
 pub fn refused(Refused { part, index, fault }: &Refused) -> (Pointer, String) {
-    let part = match part {
-        CustomPart::Header => "header",
-        CustomPart::ToolChange => "tool_change",
-        CustomPart::Footer => "footer",
-    };
     let advice = match fault {
         CustomFault::BlockNumber(_) => ", and set `program.block_numbers`",
         CustomFault::ProgramNumber(_) => ", and set `program.number`",
@@ -133,5 +157,21 @@ pub fn refused(Refused { part, index, fault }: &Refused) -> (Pointer, String) {
         CustomFault::NoPlace => "; leave `custom` out, or choose another dialect",
         _ => "",
     };
-    (member("/program/custom").field(part).index(*index), format!("{fault}{advice}"))
+    (place(*part, *index), format!("{fault}{advice}"))
+}
+
+/// The place of `smoothing` beside a shop's own line that chooses it too, and the detail, which names the
+/// line.
+pub fn smoothed_twice(own: &OwnSmoothing) -> (Pointer, String) {
+    (member("/program/smoothing"), format!("{own} (`{}`)", place(own.part, own.index)))
+}
+
+/// The place of a shop's own line.
+fn place(part: CustomPart, index: usize) -> Pointer {
+    let part = match part {
+        CustomPart::Header => "header",
+        CustomPart::ToolChange => "tool_change",
+        CustomPart::Footer => "footer",
+    };
+    member("/program/custom").field(part).index(index)
 }

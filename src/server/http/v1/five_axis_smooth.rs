@@ -100,22 +100,24 @@ impl Product for Motion {
 }
 
 fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Report, Motion>, ApiError> {
-    let SmoothJob { mut job, setup, cutting, has_program, meta } = job;
+    let SmoothJob { mut job, setup, cutting, has_program, meta, text } = job;
     job.wants_samples = shown.samples;
     let plan = five_axis::plan(&job, budget)?;
     let diagrams = if shown.diagrams { diagrams(&job, &plan, budget)? } else { Vec::new() };
     let Plan { report, samples, period_s: _, toolpath, warnings } = plan;
-    let mut warnings: Vec<Warning> = warnings.iter().map(Warning::from).collect();
+    let mut warnings: Vec<Warning> = warnings.iter().map(Warning::from).chain(text.left_alone).collect();
     let mut violations = Violations::default();
     let conditions = (has_program || shown.program).then(|| conditions(&toolpath, cutting, &mut violations));
     violations.result()?;
-    let cutting = conditions.map(|(cutting, caution)| {
+    let cutting = conditions.map(|(mut cutting, caution)| {
+        cutting.spindle_rpm = cutting.spindle_rpm.or(text.spindle_rpm);
+        cutting.coolant = text.coolant.unwrap_or(cutting.coolant);
         warnings.extend(caution.map(Warning::from));
         warnings.extend(report.warning_of_program(&job).as_ref().map(Warning::from));
         cutting
     });
     let given = job.path.iter().map(|waypoint| waypoint.pose.tip).collect();
-    let comments = vec![proved(&report)];
+    let comments = std::iter::once(proved(&report)).chain(text.comments).collect();
     Ok(Outcome {
         meta,
         warnings,

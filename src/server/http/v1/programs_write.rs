@@ -50,6 +50,7 @@ fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteRep
         comments: &comments,
         warnings: &sheet::told(&told),
         five_axes: setup.five_axes.as_ref().map(AxisSetup::five_axes),
+        called: setup.called,
     };
     let written = toolpathd_post::write(&job.toolpath, &program_job, budget)?;
     let report = WriteReport::new(&job, &setup, &written);

@@ -37,7 +37,10 @@ pub async fn mill_surface(
 }
 
 fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>, ApiError> {
-    let JobWithSetup { job, setup, meta } = job;
+    let JobWithSetup { job, mut setup, meta } = job;
+    if setup.dialect.states_blank() {
+        setup.program.blank = surface_milling::blank(&job, budget)?;
+    }
     let Plan { toolpath, report, cutting, warnings } = surface_milling::plan(&job, budget)?;
     Ok(Outcome {
         meta,

@@ -63,7 +63,7 @@ proptest! {
     ) {
         let machine = named::named().swap_remove(machine);
         let rail = rail(&wave(parts));
-        let Ok(drive) = Drive::new(&rail, Some(&machine), &limits(), &Budget::unlimited()) else {
+        let Ok(drive) = Drive::new(&rail, Some((&machine, [0.0; 2])), &limits(), &Budget::unlimited()) else {
             return Err(TestCaseError::reject("beyond the travel of the machine"));
         };
         let axes = Axes::new(Some(&machine), &limits());
@@ -97,7 +97,7 @@ fn a_path_through_the_pole_has_a_gap_in_the_proof_there() {
         .collect();
     let rail = rail(&poses);
     let machine = named::by_name("table_table_ac").unwrap();
-    let drive = Drive::new(&rail, Some(&machine), &limits(), &Budget::unlimited()).unwrap();
+    let drive = Drive::new(&rail, Some((&machine, [0.0; 2])), &limits(), &Budget::unlimited()).unwrap();
     let gap = drive.gap().unwrap();
     assert!(gap.x.abs() < 0.1, "{gap}");
 }

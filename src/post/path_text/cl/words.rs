@@ -1,0 +1,127 @@
+//! The words of CL data.
+
+use super::super::table::{Row, left, read, refused};
+
+/// Every word that begins a statement. Of their minor words, those are known that the row takes, and those
+/// that the reader of the statement names.
+pub const WORDS: &[Row] = &[
+    read(
+        "GOTO",
+        "",
+        "GOTO/1,2,3,0,0,1",
+        "goes straight to x,y,z or x,y,z,i,j,k; without an axis the axis stays",
+    ),
+    read("GODLTA", "", "GODLTA/0,0,5", "goes on by dx,dy,dz, or by one distance along the tool axis"),
+    read(
+        "FROM",
+        "",
+        "FROM/0,0,50",
+        "where the tool starts; behind motions it must name the place of the tool",
+    ),
+    read("RAPID", "", "RAPID", "the next motion is a rapid"),
+    read(
+        "FEDRAT",
+        "",
+        "FEDRAT/500,MMPM",
+        "the feed in MMPM, IPM, MMPR, IPR, PERMIN or PERREV; a feed by turns needs the speed of SPINDL",
+    ),
+    read("TLAXIS", "", "TLAXIS/0,0,1", "the tool axis of points that state none"),
+    read("MULTAX", "ON OFF", "MULTAX/ON", "points may have a tool axis; they may have one without it, too"),
+    read("UNITS", "", "UNITS/MM", "MM or INCHES"),
+    read(
+        "SPINDL",
+        "RPM CLW ON",
+        "SPINDL/8000,RPM,CLW",
+        "the speed of the answer's program; a change between cuts, CCLW and speeds of the surface are refused",
+    ),
+    read(
+        "COOLNT",
+        "",
+        "COOLNT/FLOOD",
+        "ON, FLOOD and MIST switch the coolant of the answer's program on; other kinds are left alone",
+    ),
+    read(
+        "LOADTL, LOAD/TOOL, TOOLNO",
+        "ADJUST LENGTH OSETNO SETOOL SETANG MANUAL AUTO MILL DRILL IN ON",
+        "LOADTL/3,ADJUST,3",
+        "the tool of the answer's program; a second tool behind a cut is refused",
+    ),
+    read("PARTNO", "", "PARTNO/BLADE 7", "the name of the answer's program"),
+    read("PPRINT, REMARK, TPRINT", "", "PPRINT/FINISH", "a comment in the header of the answer's program"),
+    read("INDIRV", "", "INDIRV/0,1,0", "the direction in which the next circle is entered"),
+    read(
+        "TLON,GOFWD",
+        "",
+        "TLON,GOFWD/(CIRCLE/10,0,0,10),ON,(LINE/10,0,0,20,0,0)",
+        "an arc from the place of the tool to where it meets the line first, or at crossing n with n,INTOF",
+    ),
+    read("CUTCOM", "OFF", "CUTCOM/OFF", "only OFF is read; compensation of the radius is refused"),
+    read("CYCLE", "OFF", "CYCLE/OFF", "only OFF is read; cycles are refused"),
+    read("TRACUT", "NOMORE LAST", "TRACUT/NOMORE", "only NOMORE is read; transformed points are refused"),
+    read("COPY", "NOMORE LAST", "COPY/NOMORE", "only NOMORE is read; copies are refused"),
+    read("TRANS, ORIGIN", "", "TRANS/0,0,0", "only zeros are read; moved coordinates are refused"),
+    read("OPSKIP", "OFF", "OPSKIP/OFF", "only OFF is read; blocks that a switch leaves out are refused"),
+    read("END", "", "END", "ends the program of the machine; motions behind it are refused"),
+    read("FINI", "", "FINI", "ends the text; the lines behind it are left alone"),
+    left("SEQNO", "*", "SEQNO/10,INCR,10", "the answer numbers its own blocks"),
+    left(
+        "CUTTER, TLDATA, SETOOL",
+        "*",
+        "CUTTER/10,2",
+        "the tool of the answer is that of the request's member tool",
+    ),
+    left("DELAY", "*", "DELAY/2", "an answer has no dwell along its path"),
+    left("OPSTOP", "", "OPSTOP", "an answer has no optional stop"),
+    left("STOP, BREAK", "", "STOP", "at the start or the end of the path; between motions it is refused"),
+    left("GOHOME", "*", "GOHOME", "before or behind the path; between motions it is refused"),
+    left("UNLOAD", "*", "UNLOAD/TOOL", "the answer's program ends with its tool in the spindle"),
+    left(
+        "INSERT",
+        "*",
+        "INSERT M51",
+        "text for the control stays out of the answer: put it into program.custom",
+    ),
+    left(
+        "MODE, MACHIN, MACHTOOL, NOPOST, CLPRNT, HEAD",
+        "*",
+        "MODE/MILL",
+        "speaks to another post-processor",
+    ),
+    left("CLEARP", "*", "CLEARP/XYPLAN,50", "moves nothing; RETRCT, which would use it, is refused"),
+    left(
+        "INTOL, OUTTOL, TOLER, LINTOL, CUT, TLON, TLOFPS",
+        "*",
+        "INTOL/0.01",
+        "how the points were computed",
+    ),
+    left("CLAMP, AIR, REWIND, LEADER, CHECK, DISPLY, DRAFT, PLOT", "*", "CLAMP/ON", "nothing of the poses"),
+    left(
+        "TOOL PATH, END-OF-PATH, PAINT, MSYS, CATPROCESS, CATPRODUCT, CATMAT, PROGRAM",
+        "*",
+        "TOOL PATH/FINISH,TOOL,BALL",
+        "what CAM systems note beside the points",
+    ),
+    refused(
+        "CIRCLE, MOVARC, ARCDATA, ARCSLP, ARCMOV",
+        "CIRCLE/0,0,0,0,0,1,5",
+        "its sense of turn differs between systems; write TLON,GOFWD with the circle, or points",
+    ),
+    refused("RETRCT", "RETRCT", "write the retract as GOTO"),
+    refused("ROTABL, ROTATE, ROTHED, INDEX", "ROTABL/45,CLW", "write the tool axis i,j,k into each GOTO"),
+    refused("THREAD, PITCH", "THREAD/AUTO", "write the motion as points"),
+    refused(
+        "AUXFUN, PREFUN, DNTCUT",
+        "AUXFUN/51",
+        "leave the line out, and put the function into program.custom where it stands before or behind the path",
+    ),
+    refused(
+        "GOLFT, GORGT, GOFWD, GOBACK, GOUP, GODOWN, GO, TLLFT, TLRGT, CURVE, SPLINE, NURBS, POCKET, SCURV",
+        "GOLFT/LINE1",
+        "a geometry is no CL data; let the APT system write points",
+    ),
+    refused(
+        "CALL, MACRO, TERMAC, JUMPTO, IF, DO, LOOPST, LOOPND",
+        "CALL/M1",
+        "let the APT system write points",
+    ),
+];

@@ -1,0 +1,108 @@
+//! Letters, names and statements beside the codes.
+
+use super::super::super::table::{Row, left, read, refused};
+
+/// The words. Words that stand together, such as TOOL CALL, begin a line of Klartext.
+pub const NAMES: &[Row] = &[
+    read(
+        "X, Y, Z, A, B, C",
+        "",
+        "G0 X1",
+        "coordinates and angles; an axis that the machine lacks is refused",
+    ),
+    refused("U, V, W", "G1 U1 F500", "write the motion in X, Y, Z and the rotary axes of the machine"),
+    read("I, J, K", "", "G2 X2 Y0 I1 J0 F500", "the centre of an arc; the tool axis under G43.5"),
+    read("R, CR", "", "G2 X2 Y0 R1 F500", "the radius of an arc; R0 in a line of Klartext"),
+    read("TX, TY, TZ, A3, B3, C3", "", "G1 TX=1 X1 F500", "the tool axis"),
+    left("NX, NY, NZ, AN3, BN3, CN3", "", "G1 X1 NX=0 F500", "the normal of the surface"),
+    read("F", "", "F500", "the feed of the mode"),
+    read("FMAX", "", "L X1 R0 FMAX", "the line is a rapid"),
+    read("S", "", "S5000 M3", "the speed of M3"),
+    read("T", "", "T1", "the tool of M6, or of itself in a program without M6; T0 is none"),
+    left("D", "", "D1", "the answer selects the offset of its own tool"),
+    read("H", "", "G43 H1", "the length offset; the answer selects that of its own tool"),
+    read("N", "", "N10 G0 X1", "the number of a block, to which nothing jumps"),
+    read("O", "", "O0007", "the number of the program; the answer's is program.number"),
+    refused("P, Q, E", "G1 X1 P1 F500", "it has no meaning without its code; name the code in its line"),
+    left(
+        "ADIS, ADISPOS, _CAMTOL, _TOLERANCE, CTOL, OTOL",
+        "",
+        "ADIS=0.01",
+        "how far the control may round corners",
+    ),
+    refused("/", "/ G0 X1", "a switch decides whether the line runs; leave the mark or the line out"),
+    refused("#, [, {, <, $", "G0 X#1", "variables are not read; write numbers"),
+    refused("=", "G0 X=R1", "expressions are not read; write absolute numbers"),
+    refused("FN", "FN 0: Q5=1", "expressions are not read; write numbers"),
+    refused(",", "G1 X1 ,R2 F500", "write chamfers and roundings as lines and arcs"),
+    refused(
+        "GOTO, GOTOF, GOTOB, GOTOS, GOTOC, IF, THEN, ELSE, ELSEIF, ENDIF, WHILE, ENDWHILE, DO, END, FOR, ENDFOR, LOOP, ENDLOOP, REPEAT, ENDREPEAT, UNTIL, CASE, BREAK, CONTINUE",
+        "GOTO 10",
+        "jumps and loops are not read; write the motions one by one",
+    ),
+    refused(
+        "SUB, ENDSUB, CALL, RETURN, RET, PROC, EXTERN, MCALL, LBL, CALL LBL, CALL PGM",
+        "O100 SUB",
+        "write the motions of the subprogram",
+    ),
+    read("TRAORI", "", "TRAORI", "Siemens: tip control begins"),
+    read("TRAFOOF", "", "TRAFOOF", "Siemens: tip control ends"),
+    read(
+        "ORIWKS, ORIAXES, ORIVECT",
+        "",
+        "ORIWKS",
+        "how the axis turns between blocks: the answer turns it evenly",
+    ),
+    refused(
+        "ORICURVE, ORIMKS, ORICONCW, ORICONCCW, ORIPLANE, PO, POLY, POLYPATH, BSPLINE, ASPLINE, CSPLINE",
+        "ORICURVE",
+        "write lines and arcs with the tool axis",
+    ),
+    left(
+        "COMPCAD, COMPCURV, COMPON, COMPOF, COMPSURF, FFWON, FFWOF, SOFT, BRISK, DRIVE, SPATH, UPATH, FIFOCTRL, CYCLE832, DYNNORM, DYNFINISH, DYNSEMIFIN, DYNROUGH, DYNPREC, FGROUP, FGREF, CFC, CFTCP, CFIN, STOPRE, DIAMOF, NORM, KONT, RTLION, RTLIOF, ORISON, ORISOF, WORKPIECE",
+        "",
+        "COMPCAD",
+        "path control of the control",
+    ),
+    left("MSG, DEF, DISPLAY", "", "MSG(\"A\")", "texts for people"),
+    left("SUPA", "", "G0 SUPA Z0", "coordinates of the machine: before or behind the path, else refused"),
+    read(
+        "TRANS, ROT, SCALE, MIRROR, ATRANS, AROT",
+        "",
+        "TRANS",
+        "alone it ends shifts and turns; with words it is refused",
+    ),
+    read("CYCLE800", "", "CYCLE800()", "without arguments it ends a turn; with arguments it is refused"),
+    refused(
+        "CIP, CYCLE, CYCL CALL, CT, RND, CHF, CHR, RNDM, TURN, AP, RP",
+        "CIP X1 Y1",
+        "write lines, and arcs with their centre",
+    ),
+    refused(
+        "IX, IY, IZ, IA, IB, IC, RL, RR, DR",
+        "L IX1",
+        "write absolute coordinates of the centre of the tool",
+    ),
+    refused(
+        "CC, CP, CTP, APPR, DEP, FL, FC, FPOL, PLANE, PATTERN, SEL, TCH",
+        "CC X0 Y0",
+        "write lines with the tool axis",
+    ),
+    read("L, LN", "", "L X1 R0 FMAX", "Klartext: a line; LN with the tool axis"),
+    read("BEGIN PGM, END PGM", "", "BEGIN PGM 1 MM", "Klartext: name and units, and the end"),
+    read("TOOL CALL", "", "TOOL CALL 1 Z S5000", "Klartext: the tool, with spindle axis Z, and its speed"),
+    read(
+        "FUNCTION TCPM, FUNCTION RESET",
+        "",
+        "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS",
+        "Klartext: tip control begins and ends",
+    ),
+    left(
+        "BLK FORM, TOOL DEF, CYCL DEF 32, CYCL DEF 247, PLANE RESET",
+        "*",
+        "BLK FORM 0.1 Z X0 Y0 Z0",
+        "Klartext: stock, tolerances and the datum, which is program.work_offset",
+    ),
+    refused("CYCL DEF", "CYCL DEF 7.0 DATUM SHIFT", "write coordinates of the datum, and each hole as lines"),
+    left("STOP", "", "STOP", "Klartext: before or behind the path; a stop between motions is refused"),
+];

@@ -2,7 +2,8 @@
 //!
 //! # Method
 //! 1. The path is cleaned: poses that are one within a small part of the tolerance become one, and so do
-//!    turns about one tip (`cleaning`).
+//!    turns about one tip (`cleaning`). Where its axis comes within the tolerance of a pole of the machine,
+//!    it is led through the pole or around it (`poles`).
 //! 2. The method makes rails: polynomials of one parameter for the tip and the top of the tool
 //!    (`smooth`, `tube`, `paper`, `linear`; `blend` around corners, `rotation` where the tip rests).
 //! 3. Each span is proved against the legs that it replaces (`deviation`).
@@ -16,7 +17,8 @@
 //!   within the tolerance of the tip. The axis is within its tolerance of the great circle between the given
 //!   axes, at the nearest place of the given path. The report states proved bounds.
 //! * With a tool, its cut is within the tolerance of the cut of the given path. What the axis moves counts.
-//! * The first and the last pose are hit exactly.
+//! * The first and the last tip are hit exactly, and so are their axes, unless they are within the tolerance
+//!   of a pole of the machine.
 //!
 //! # Degenerate input
 //! A path of one pose is refused, and so are neighbouring axes that are opposite. Where the path turns back,
@@ -193,7 +195,7 @@ fn plan_past_poles(job: &Job, may_cross: bool, budget: &Budget) -> Result<Plan, 
     let [speed, acceleration, jerk] = peaks(&tips, period_s);
     let deviation = rails.deviation.plus(path.moved);
     let report = Report {
-        n_poses: path.stations.len(),
+        n_poses: path.n_poses,
         n_spans: rails.rail.spans().count(),
         n_blends: rails.n_blends,
         n_stops: rails.rail.pieces.len() - 1,

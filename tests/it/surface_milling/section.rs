@@ -175,8 +175,8 @@ impl Section<'_> {
         self.buckets.values().flatten().map(|(_, tip)| tip)
     }
 
-    /// Whether the chain through `p` is no longer than `size`: no point is between `size` and 0.3 mm more from
-    /// `p`.
+    /// Whether the chain through `p` is no longer than `size`: no point is between `size` and 0.3 mm more
+    /// from `p`.
     pub fn is_speck(&self, p: &Point3<f64>, size: f64) -> bool {
         let reach = size + 0.3;
         let near = bucket(p[self.locus.along] - reach)..=bucket(p[self.locus.along] + reach);

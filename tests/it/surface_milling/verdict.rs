@@ -27,8 +27,8 @@ const OUTERMOST_MM: f64 = 1e-6;
 /// 1e-6 mm has a chord of 0.09 mm.
 const OUTERMOST_REACH_MM: f64 = 0.1;
 
-/// Pieces of passes shorter than this share of the cutter's radius may be left out. A warning then states their
-/// length.
+/// Pieces of passes shorter than this share of the cutter's radius may be left out. A warning then states
+/// their length.
 const LEFT_OUT_SHARE: f64 = 0.1;
 
 /// The figures that were found.

@@ -194,8 +194,8 @@ pub fn of_line(span: &Span, leg: &Leg, part: [f64; 2]) -> f64 {
     const POINTS: usize = 64;
     let at = |k: usize| span.from + span.length() * (k as f64 / POINTS as f64);
     let points: Vec<Vector3<f64>> = (0..=POINTS).map(|k| tip(&span.jet(at(k))[0])).collect();
-    // An eighth of the second derivative bounds the height of a chord, and a quintic's has 20 times the second
-    // differences.
+    // An eighth of the second derivative bounds the height of a chord, and a quintic's has 20 times the
+    // second differences.
     let bend = span.control.windows(3).map(|p| (tip(&p[2]) - tip(&p[1]) * 2.0 + tip(&p[0])).norm());
     of_chords(&points, leg, part) + 2.5 * bend.fold(0.0, f64::max) / (POINTS * POINTS) as f64
 }

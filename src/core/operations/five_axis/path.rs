@@ -24,6 +24,8 @@ pub struct Passed {
 /// Different poses, with the pace of each leg between them.
 #[derive(Debug, Clone)]
 pub struct Path {
+    /// How many of the given poses differ.
+    pub n_poses: usize,
     pub stations: Vec<Point6>,
     pub paces: Vec<Pace>,
     /// Whether the path is led through a pole at a station: the rails have to hit it.
@@ -64,6 +66,7 @@ impl Path {
         let stations: Vec<Point6> = kept.into_iter().map(|(_, at)| at).collect();
         let rooms = vec![f64::INFINITY; paces.len()];
         Ok(Self {
+            n_poses: stations.len(),
             on_pole: vec![false; stations.len()],
             rooms,
             passed: Passed::default(),

@@ -27,6 +27,8 @@
 //! O(n) for n poses.
 
 mod crossing;
+mod places;
+mod room;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -38,6 +40,8 @@ use super::rail::{Point6, join, tip, top};
 use crate::toolpath::pose::Pace;
 use crate::toolpath::tool_axes::angle_between;
 use crossing::Crossing;
+use places::{Node, add, add_center, center, places};
+pub use room::rooms;
 
 /// The part of the tolerance of the axis that a path may move.
 const SHARE: f64 = 0.5;
@@ -52,20 +56,8 @@ const STRAIGHT: f64 = 1.0 / 3.0;
 /// Between two poses in the disc the way turns by at most this angle, radians: ten degrees.
 const LARGEST_TURN: f64 = PI / 18.0;
 
-/// A pose of the path at most this part of a stretch from its middle is the one on the pole.
-const MIDDLE: f64 = 0.1;
-
-/// Poses are added where there is none within this part of a stretch.
-const APART: f64 = 0.02;
-
 /// Parts of a leg nearer to its ends count as its ends.
 const SAME_PART: f64 = 1e-6;
-
-/// The part of the distance between a leg and a pole by which the axis of the rails may come nearer.
-const NEARER: f64 = 0.3;
-
-/// A leg that is nearer to a pole lies on it, radians.
-const LEAST_APART: f64 = 1e-9;
 
 /// A tip that turns by less goes straight on, radians.
 const STRAIGHT_ON: f64 = 0.01;
@@ -95,31 +87,6 @@ pub fn lead(path: &mut Path, poles: &[UnitVector3<f64>], tolerance: f64, may_cro
     moved
 }
 
-/// How far the axis of the rails may be from each leg, radians: where the leg passes a pole, a part of the
-/// distance to it, so that no spline comes much nearer to the pole than the path. Legs to the pole itself
-/// have room.
-pub fn rooms(path: &Path, poles: &[UnitVector3<f64>]) -> Vec<f64> {
-    let room = |k: usize| {
-        let is_led = path.on_pole[k] || path.on_pole[k + 1];
-        let leg = path.leg(k);
-        let apart = poles.iter().map(|pole| distance(&leg, pole)).fold(f64::INFINITY, f64::min);
-        if is_led || apart <= LEAST_APART { f64::INFINITY } else { NEARER * apart }
-    };
-    (0..path.paces.len()).map(room).collect()
-}
-
-/// The least angle between the axis along a leg and a pole, radians.
-fn distance(leg: &Leg, pole: &UnitVector3<f64>) -> f64 {
-    let [start, end] = [top(&leg.start), top(&leg.end)];
-    let to_ends = angle_between(&start, pole).min(angle_between(&end, pole));
-    let normal = start.cross(&end);
-    let is_between = normal.cross(&start).dot(pole) > 0.0 && end.cross(&normal).dot(pole) > 0.0;
-    if !is_between {
-        return to_ends;
-    }
-    (normal.dot(pole) / normal.norm()).abs().clamp(0.0, 1.0).asin().min(to_ends)
-}
-
 /// The disc about a pole.
 struct Disc<'a> {
     pole: &'a UnitVector3<f64>,
@@ -138,15 +105,6 @@ struct Stretch {
     crossing: Option<Crossing>,
 }
 
-/// A pose of a stretch.
-struct Node {
-    leg: usize,
-    part: f64,
-    /// From 0 at the start of the stretch to 1 at its end.
-    share: f64,
-    is_given: bool,
-}
-
 impl<'a> Disc<'a> {
     fn new(pole: &'a UnitVector3<f64>, radius: f64, may_cross: bool) -> Self {
         let first = pole.cross(&if pole.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() }).normalize();
@@ -161,6 +119,7 @@ impl<'a> Disc<'a> {
         }
         self.widen(path, &mut stretches);
         let mut led = Path {
+            n_poses: path.n_poses,
             stations: Vec::new(),
             paces: Vec::new(),
             on_pole: Vec::new(),
@@ -275,10 +234,10 @@ impl<'a> Disc<'a> {
 
     /// The places of a stretch with the poses there.
     fn ways(&self, path: &Path, stretch: &Stretch) -> Vec<(Node, Point6)> {
-        let mut places = self.places(path, stretch);
+        let mut places = places(path, stretch.ends);
         if let Some(crossing) = &stretch.crossing {
             add_center(&mut places, crossing.center());
-            Self::add(&mut places, &crossing.shares());
+            add(&mut places, &crossing.shares());
             let mut ways = self.posed(path, places, |place, given| crossing.shifted(place.share, given));
             self.straighten(&mut ways, crossing.center());
             return ways;
@@ -287,16 +246,16 @@ impl<'a> Disc<'a> {
         let beside = turn(leaves, meets);
         let through = turn(leaves + PI, meets);
         if goes_through {
-            Self::add(&mut places, &[0.5]);
+            add(&mut places, &[0.5]);
             center(&mut places);
             let parts = (0.5 * through.abs() / LARGEST_TURN).ceil().max(1.0) as usize;
             let outer = |k: usize| 0.5 * (1.0 - STRAIGHT) * (k as f64 / parts as f64);
             let shares: Vec<f64> = (1..=parts).flat_map(|k| [outer(k), 1.0 - outer(k)]).collect();
-            Self::add(&mut places, &shares);
+            add(&mut places, &shares);
         } else if stretch.is_inside == [false; 2] {
             let parts = (beside.abs() / LARGEST_TURN).ceil().max(1.0) as usize;
             let shares: Vec<f64> = (1..parts).map(|k| k as f64 / parts as f64).collect();
-            Self::add(&mut places, &shares);
+            add(&mut places, &shares);
         }
         self.posed(path, places, |Node { share, .. }, _| {
             let (angle, distance) = match stretch.is_inside {
@@ -315,8 +274,8 @@ impl<'a> Disc<'a> {
         })
     }
 
-    /// Brings the poses beside the pole on one line through it where the tip rests or turns: there the path is
-    /// not smooth by itself, and the free angle would have to jump.
+    /// Brings the poses beside the pole on one line through it where the tip rests or turns: there the path
+    /// is not smooth by itself, and the free angle would have to jump.
     fn straighten(&self, ways: &mut [(Node, Point6)], center: f64) {
         let Some(k) = ways.iter().position(|(place, _)| place.share == center) else { return };
         if k == 0 || k + 1 == ways.len() {
@@ -356,33 +315,6 @@ impl<'a> Disc<'a> {
             .collect()
     }
 
-    /// The ends of a stretch and the stations inside it.
-    fn places(&self, path: &Path, stretch: &Stretch) -> Vec<Node> {
-        let [(first, from), (last, to)] = stretch.ends;
-        let mut places = vec![Node { leg: first, part: from, share: 0.0, is_given: true }];
-        let mut sum = 0.0;
-        for k in first..=last {
-            let part = [if k == first { from } else { 0.0 }, if k == last { to } else { 1.0 }];
-            sum += (part[1] - part[0]) * way(&path.leg(k));
-            places.push(if k < last {
-                Node { leg: k + 1, part: 0.0, share: sum, is_given: true }
-            } else {
-                Node { leg: k, part: to, share: sum, is_given: true }
-            });
-        }
-        places.iter_mut().for_each(|place| place.share /= sum);
-        places
-    }
-
-    /// Adds places at shares where there are none nearby.
-    fn add(places: &mut Vec<Node>, shares: &[f64]) {
-        for share in shares {
-            if places.iter().all(|place| (place.share - share).abs() >= APART) {
-                insert(places, *share);
-            }
-        }
-    }
-
     /// The axis that is seen in a place of the plane.
     fn axis(&self, [x, y]: [f64; 2]) -> Vector3<f64> {
         let along = (1.0 - x * x - y * y).max(0.0).sqrt();
@@ -403,45 +335,6 @@ fn way(leg: &Leg) -> f64 {
 /// The turn from one direction to another, radians, from -pi to pi.
 fn turn(from: f64, to: f64) -> f64 {
     (to - from + PI).rem_euclid(TAU) - PI
-}
-
-/// Adds the place on the pole, unless a pose is there but for rounding.
-fn add_center(places: &mut Vec<Node>, share: f64) {
-    match places.iter_mut().find(|place| (place.share - share).abs() <= SAME_PART) {
-        Some(place) => place.share = share,
-        None => insert(places, share),
-    }
-}
-
-/// Adds a place at a share.
-fn insert(places: &mut Vec<Node>, share: f64) {
-    let k = places.partition_point(|place| place.share < share);
-    let [before, after] = [&places[k - 1], &places[k]];
-    let part = (share - before.share) / (after.share - before.share);
-    // The place after is on the same leg, or at its end.
-    let end = if after.leg == before.leg { after.part } else { 1.0 };
-    let place =
-        Node { leg: before.leg, part: before.part + part * (end - before.part), share, is_given: false };
-    places.insert(k, place);
-}
-
-/// Lets the given pose nearest to the middle of a stretch be in its middle, if it is near, in place of one
-/// that was added.
-fn center(places: &mut Vec<Node>) {
-    let last = places.len() - 1;
-    let off = |place: &Node| (place.share - 0.5).abs();
-    let inner = (1..last).filter(|k| places[*k].is_given && off(&places[*k]) <= MIDDLE);
-    let Some(k) = inner.min_by(|a, b| off(&places[*a]).total_cmp(&off(&places[*b]))) else { return };
-    let middle = places[k].share;
-    for place in places.iter_mut() {
-        place.share = if place.share <= middle {
-            0.5 * place.share / middle
-        } else {
-            1.0 - 0.5 * (1.0 - place.share) / (1.0 - middle)
-        };
-    }
-    places[k].share = 0.5;
-    places.retain(|place| place.is_given);
 }
 
 impl Path {

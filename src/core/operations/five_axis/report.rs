@@ -23,7 +23,7 @@ pub enum Warning {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = SmoothReport))]
 pub struct Report {
-    /// Number of poses without those that repeat the pose before.
+    /// Number of poses without those that are the pose before within a twentieth of the tolerances.
     pub n_poses: usize,
     /// Number of polynomials that make up the path.
     pub n_spans: usize,
@@ -32,8 +32,8 @@ pub struct Report {
     /// Number of places inside the path where the motion stops: reversals, rotations about a resting tip, and
     /// corners at which no blend keeps the tolerances.
     pub n_stops: usize,
-    /// Number of times that the path is led through a pole of the machine, where a rotary axis has no angle of
-    /// its own: the tool axis leans onto the pole, within the tolerance.
+    /// Number of times that the path is led through a pole of the machine, where a rotary axis has no angle
+    /// of its own: the tool axis leans onto the pole, within the tolerance.
     pub n_through_poles: usize,
     /// Number of times that the path is led around a pole of the machine, at a distance from it.
     pub n_around_poles: usize,
@@ -66,7 +66,8 @@ pub struct Report {
     /// without ramps.
     pub cycle_time_s: f64,
     /// Whether every limit is proved to be kept at every time of the motion. `false` only where the tool axis
-    /// passes a pole of the machine. Absent without `limits`.
+    /// passes a pole of the machine and is not led through it, as with `method: paper`. Absent without
+    /// `limits`.
     #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
     pub limits_proved: Option<bool>,
     /// Speed of the tip, in mm/s, by differences of the samples.

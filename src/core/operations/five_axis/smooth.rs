@@ -18,14 +18,19 @@
 //! All spans are proved to be within the tolerance. Ends are hit exactly. Inside a piece the second
 //! derivatives are continuous.
 
+mod on_pole;
+mod repairs;
+mod turns;
+
 use super::blend::{Blend, begin_at, blend, end_at};
-use super::deviation::{Deviation, of_span};
+use super::deviation::Deviation;
 use super::leg::Leg;
 use super::rail::{Fitted, Piece, Point6, Rail, Source, Span, tip, top};
-use super::{Continuity, FiveAxisError, Rails, rotation, roughness, tube};
+use super::{Continuity, FiveAxisError, Rails, roughness, tube};
 use crate::budget::Budget;
 use crate::geometry::spline::{EndCondition, derivatives_over};
 use crate::toolpath::tool_axes::angle_between;
+use repairs::turned;
 
 /// Rounds of proof and repair. A path needs a few. After these, every station of a run that leaves the
 /// tolerance is a corner.
@@ -37,22 +42,6 @@ const MOST_REPAIRS: u8 = 10;
 
 /// A station is a corner at once if the estimate of its deviation is above this multiple of the tolerance.
 const CERTAIN: f64 = 1.5;
-
-/// A span whose deviation is at most this multiple of the tolerance is drawn nearer to its leg.
-const NEARLY: f64 = 1.5;
-
-/// The part of the tolerance that such a span is drawn to.
-const DRAWN_TO: f64 = 0.995;
-
-/// A leg is long if it has more than this multiple of the length of the leg beside it.
-const LONG: f64 = 3.0;
-
-/// The distances of the points on a long leg grow by this factor.
-const GROWTH: f64 = 2.5;
-
-/// Points of a leg that are nearer to each other are one point, mm: the points that are added from both
-/// ends may meet those that the leg has. The parts of a leg need a length above rounding.
-const ONE_POINT_MM: f64 = 1e-6;
 
 /// Turns above this angle are reversals, radians.
 const REVERSAL: f64 = 2.6;
@@ -158,8 +147,8 @@ impl<'a> Smoother<'a> {
         (self.turn(k) * shorter / (8.0 * within.tip_mm)).max(swing * shorter / (8.0 * within.axis))
     }
 
-    /// The motion may stop at a station. On a pole, the legs beside it then stay lines, so that the free angle
-    /// is the same before and after the stop.
+    /// The motion may stop at a station. On a pole, the legs beside it then stay lines, so that the free
+    /// angle is the same before and after the stop.
     fn make_corner(&mut self, k: usize) {
         self.is_corner[k] = true;
         if self.stretch.on_pole[k] {
@@ -269,107 +258,12 @@ impl<'a> Smoother<'a> {
             let on_pole = &self.stretch.on_pole;
             // Of three stations on the pole, the path rests on it.
             if is_station && on_pole[of_leg[k]] && !on_pole[of_leg[k - 1]] && !on_pole[of_leg[k] + 1] {
-                let [before, after] = smooth_thrice(&spans[k - 1].span, &spans[k].span);
+                let [before, after] = on_pole::smooth_thrice(&spans[k - 1].span, &spans[k].span);
                 spans[k - 1].span = before;
                 spans[k].span = after;
             }
         }
         spans
-    }
-
-    /// The bound of the deviation of all spans, and the legs of those that leave the tolerance.
-    fn proved(&self, spans: &[Fitted], is_alone: bool) -> (Deviation, Vec<(usize, Deviation, Span)>) {
-        let mut all = Deviation::NONE;
-        let mut failed: Vec<(usize, Deviation, Span)> = Vec::new();
-        for (k, Fitted { span, source }) in spans.iter().enumerate() {
-            let [leg, _] = source.legs();
-            let whole = &self.legs[leg];
-            // The points on a leg that stands alone or turns far lie on the leg.
-            let is_on_leg = is_alone || whole.angle > LARGEST_TURN;
-            let part = if is_on_leg { Leg::new(span.start(), span.end()) } else { *whole };
-            let mut deviation = of_span(span, &[part], Deviation::NONE);
-            // A leg that stands alone is a line: it runs along itself.
-            if !is_alone && !runs_along(span, whole) {
-                deviation.tip_mm = deviation.tip_mm.max(2.0 * NEARLY * self.tolerance.tip_mm);
-            }
-            all = all.max(deviation);
-            let is_first =
-                k == 0 || spans[k - 1].source != *source || failed.last().is_none_or(|last| last.0 != leg);
-            if deviation.of(self.within(leg..leg + 1)) > 1.0 && is_first {
-                failed.push((leg, deviation, span.clone()));
-            }
-        }
-        (all, failed)
-    }
-
-    fn repair(&mut self, leg: usize, deviation: Deviation, span: &Span, [first, last]: [usize; 2]) {
-        let tries = self.repairs[leg];
-        self.repairs[leg] = tries.saturating_add(1);
-        if tries == 0 && self.divide(leg, [first, last]) {
-            return;
-        }
-        let excess = deviation.of(self.within(leg..leg + 1));
-        let own = &self.legs[leg];
-        // Another repair of this round may have made its ends corners.
-        let is_alone = self.is_corner[leg] && self.is_corner[leg + 1];
-        if !is_alone && tries <= 1 && excess <= NEARLY && self.inner[leg].is_empty() {
-            let middle = span.jet(0.5 * (span.from + span.to))[0];
-            let on_leg = own.at(0.5);
-            let at = on_leg + (middle - on_leg) * (DRAWN_TO / excess);
-            self.inner[leg].push(Inner { part: 0.5, at });
-            return;
-        }
-        let ends = [leg, leg + 1].into_iter().filter(|k| !self.is_corner[*k]);
-        let worst = ends.max_by(|a, b| self.severity(*a).total_cmp(&self.severity(*b)));
-        let Some(k) = worst else {
-            // The leg stands alone: between more points its axis is nearer to the great circle.
-            self.inner[leg] = turned(own, LARGEST_TURN * 0.5_f64.powi(i32::from(tries) + 1));
-            return;
-        };
-        self.make_corner(k);
-        // What was drawn to the smooth curve starts again.
-        for beside in [k - 1, k] {
-            self.inner[beside] = turned(&self.legs[beside], LARGEST_TURN);
-            self.repairs[beside] = 0;
-        }
-    }
-
-    /// Makes every station of a run a corner.
-    fn isolate(&mut self, first: usize, last: usize) {
-        for leg in first..last {
-            self.is_corner[leg] = true;
-            self.inner[leg] = turned(&self.legs[leg], LARGEST_TURN);
-            self.repairs[leg] = 0;
-        }
-    }
-
-    /// Adds points to a leg that is much longer than a leg beside it. Says whether it did.
-    fn divide(&mut self, leg: usize, [first, last]: [usize; 2]) -> bool {
-        let own = self.legs[leg];
-        let mut parts = Vec::new();
-        for (is_inside, beside, is_start) in
-            [(leg > first, leg.wrapping_sub(1), true), (leg + 1 < last, leg + 1, false)]
-        {
-            if !is_inside || self.legs[beside].length * LONG >= own.length {
-                continue;
-            }
-            let mut distance = self.legs[beside].length;
-            let mut sum = distance;
-            while sum < 0.45 * own.length {
-                let part = sum / own.length;
-                parts.push(if is_start { part } else { 1.0 - part });
-                distance *= GROWTH;
-                sum += distance;
-            }
-        }
-        if parts.is_empty() {
-            return false;
-        }
-        parts.extend(self.inner[leg].iter().map(|inner| inner.part));
-        parts.sort_by(f64::total_cmp);
-        parts.dedup_by(|a, b| (*a - *b) * own.length < ONE_POINT_MM);
-        self.inner[leg] = parts.into_iter().map(|part| Inner { part, at: own.at(part) }).collect();
-        true
     }
 
     /// Adds the motion along the turns from a leg on, if it is the first of them.
@@ -380,7 +274,7 @@ impl<'a> Smoother<'a> {
         let count = self.legs[first..].iter().take_while(|leg| leg.is_rotation()).count();
         let within = self.within(first..first + count).without(self.room.in_tube);
         let on_pole = &self.stretch.on_pole[first..=first + count];
-        let chain = rotation::chain(&self.legs[first..first + count], on_pole, first, within.axis, budget)?;
+        let chain = turns::chain(&self.legs[first..first + count], on_pole, first, within.axis, budget)?;
         rails.deviation.axis = rails.deviation.axis.max(chain.deviation);
         rails.n_blends += chain.n_blends;
         rails.rail.pieces.extend(chain.pieces);
@@ -439,74 +333,6 @@ impl Rails {
     fn end_piece(&mut self, piece: &mut Vec<Fitted>) {
         if !piece.is_empty() {
             self.rail.pieces.push(Piece::new(std::mem::take(piece)));
-        }
-    }
-}
-
-/// Two spans that meet, with a continuous third derivative there. On a pole, the free angle has one derivative
-/// less than the axis.
-fn smooth_thrice(before: &Span, after: &Span) -> [Span; 2] {
-    let (start, end) = (before.jet(before.from), after.jet(after.to));
-    let [at, first, ..] = after.jet(after.from);
-    let (h, g) = (before.length(), after.length());
-    // The third derivatives of the two quintics at the joint, without the second derivative there.
-    let third_before = (at - start[0]) * (60.0 / h.powi(3))
-        - (start[1] * 24.0 + first * 36.0) / (h * h)
-        - start[2] * (3.0 / h);
-    let third_after =
-        (end[0] - at) * (60.0 / g.powi(3)) - (first * 36.0 + end[1] * 24.0) / (g * g) + end[2] * (3.0 / g);
-    let second = (third_after - third_before) / (9.0 / h + 9.0 / g);
-    [
-        Span::quintic([before.from, before.to], [start[0], start[1], start[2]], [at, first, second]),
-        Span::quintic([after.from, after.to], [at, first, second], [end[0], end[1], end[2]]),
-    ]
-}
-
-/// Points on a leg whose axis turns far: between them the mean of two axes is near their great circle.
-fn turned(leg: &Leg, largest: f64) -> Vec<Inner> {
-    let count = (leg.angle / largest).ceil().max(1.0) as usize;
-    (1..count).map(|k| k as f64 / count as f64).map(|part| Inner { part, at: leg.at(part) }).collect()
-}
-
-/// Whether the tip never goes back along a leg.
-fn runs_along(span: &Span, leg: &Leg) -> bool {
-    fn is_forward(span: &Span, direction: &nalgebra::Vector3<f64>, halvings: usize) -> bool {
-        let steps: Vec<f64> =
-            span.control.windows(2).map(|pair| (tip(&pair[1]) - tip(&pair[0])).dot(direction)).collect();
-        if steps.iter().all(|step| *step > 0.0) {
-            return true;
-        }
-        if halvings == 0 || steps[0] <= 0.0 || steps[4] <= 0.0 {
-            return false;
-        }
-        span.halves().iter().all(|half| is_forward(half, direction, halvings - 1))
-    }
-    const HALVINGS: usize = 3;
-    is_forward(span, &leg.direction(), HALVINGS)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::operations::five_axis::rail::join;
-    use nalgebra::Vector3;
-
-    #[test]
-    fn on_a_pole_three_derivatives_are_continuous() {
-        let point = |x: f64, y: f64| join(Vector3::new(x, y, y * y), Vector3::new(y, x, 50.0));
-        let before =
-            Span::cubic([0.0, 2.0], [point(0.0, 0.0), point(1.0, 3.0)], [point(2.0, 1.0), point(0.5, 0.2)]);
-        let after =
-            Span::cubic([2.0, 2.7], [point(2.0, 1.0), point(0.5, 0.2)], [point(3.0, 1.0), point(1.0, 1.0)]);
-        let [one, other] = smooth_thrice(&before, &after);
-        let (left, right) = (one.jet(2.0), other.jet(2.0));
-        for order in 0..4 {
-            assert!((left[order] - right[order]).norm() < 1e-9, "{order}");
-        }
-        assert!((left[1] - before.jet(2.0)[1]).norm() < 1e-12);
-        for order in 0..3 {
-            assert!((one.jet(0.0)[order] - before.jet(0.0)[order]).norm() < 1e-9);
-            assert!((other.jet(2.7)[order] - after.jet(2.7)[order]).norm() < 1e-9);
         }
     }
 }

@@ -57,8 +57,8 @@ pub fn unfollowed(rail: &Rail) -> Vec<Vec<f64>> {
     rail.pieces.iter().map(|piece| places(&piece.spans, length(piece) / whole)).collect()
 }
 
-/// The stations of each piece, between which no rotary axis turns far. Beside the pole a rotary axis turns far
-/// on a short way: there the stations are as near as needed. `start` holds the angles of the rotary axes
+/// The stations of each piece, between which no rotary axis turns far. Beside the pole a rotary axis turns
+/// far on a short way: there the stations are as near as needed. `start` holds the angles of the rotary axes
 /// before the path, radians.
 ///
 /// # Errors

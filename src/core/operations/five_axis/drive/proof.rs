@@ -8,9 +8,10 @@
 //! 3. An interval whose bound is far above what is used in the middle of any interval is halved.
 //!
 //! # Guarantees
-//! No limit is exceeded after the motion is slowed by the factor of the proof. Where the axis passes a pole,
-//! rotary axes turn without bound and nothing is proved; there the limits are checked at single places, and
-//! the proof is not complete.
+//! No limit is exceeded after the motion is slowed by the factor of the proof. On a span that goes straight
+//! through a pole, the part of the axis across the pole is divided by the way from it (`passage`), and the
+//! proof covers the pole. Where the axis passes a pole otherwise, rotary axes turn without bound and nothing
+//! is proved; there the limits are checked at single places, and the proof is not complete.
 //!
 //! # Cost
 //! Constant for each interval; up to `DEEPEST` halvings at a pole.

@@ -1,9 +1,11 @@
 //! Paths through poles, beside them and around them.
 
 use nalgebra::Rotation3;
+use proptest::prelude::*;
 
 use super::*;
 use crate::machine::named::{by_name, named};
+use crate::operations::five_axis::AtPole;
 
 /// The tolerance of the axis in these tests, degrees.
 const TOLERANCE_DEG: f64 = 0.2;
@@ -139,4 +141,70 @@ fn rounded_and_noisy_poses_cost_little_time() {
             assert!(noisy <= 1.05 * clean, "{name}: {noisy} s for {clean} s");
         }
     }
+}
+
+/// What the tip does while the axis passes a pole.
+#[derive(Debug, Clone, Copy)]
+enum Tip {
+    Straight,
+    Corner,
+    Rests,
+}
+
+/// A path across a pole, at `off` degrees beside it: once, or to and fro.
+fn beside(off: f64, n: usize, tip: Tip, is_repeated: bool) -> Vec<Pose> {
+    let one = across(off, n);
+    let back = one.iter().rev().skip(1).filter(|_| is_repeated);
+    let axes: Vec<Pose> = one.iter().chain(back).copied().collect();
+    let last = (axes.len() - 1) as f64;
+    let at = |k: usize, pose: &Pose| {
+        let x = 60.0 * (k as f64 / last - 0.5);
+        let tip = match tip {
+            Tip::Straight => [x, 0.0, 0.0],
+            Tip::Corner => [x, x.abs(), 0.0],
+            Tip::Rests => [x.min(0.0) + (x - 15.0).max(0.0), 0.0, 0.0],
+        };
+        Pose { tip: tip.into(), ..*pose }
+    };
+    axes.iter().enumerate().map(|(k, pose)| at(k, pose)).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn any_path_beside_a_pole_runs_within_limits_and_tolerance(
+        off in -8.0..0.7f64, n in 1usize..25, machine in 0..named().len(), is_repeated in any::<bool>(),
+        tip in prop_oneof![Just(Tip::Straight), Just(Tip::Corner), Just(Tip::Rests)],
+        has_limits in any::<bool>(),
+    ) {
+        let machine = named().swap_remove(machine);
+        let job = on(&machine, beside(10f64.powf(off), n, tip, is_repeated));
+        if has_limits {
+            let report = assert_driven("beside", &job).report;
+            prop_assert_eq!((report.limits_proved, report.within_tolerance), (Some(true), true));
+        } else {
+            let plan = plan(&Job { limits: None, ..job }, &Budget::unlimited()).unwrap();
+            prop_assert!(plan.report.within_tolerance);
+            for sample in &plan.samples {
+                let found = machine.forward(&sample.joints.unwrap());
+                prop_assert!(found.axis.angle(&sample.pose.axis) < 1e-7);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_job_chooses_what_its_path_does_at_poles() {
+    let machine = by_name("table_table_ac").unwrap();
+    let run = |at_pole: AtPole| {
+        plan(&Job { at_pole, ..on(&machine, across(0.01, 3)) }, &Budget::unlimited())
+            .map(|plan| [plan.report.n_through_poles, plan.report.n_around_poles])
+    };
+    assert_eq!(run(AtPole::Quickest), Ok([1, 0]));
+    assert_eq!(run(AtPole::Through), Ok([1, 0]));
+    assert_eq!(run(AtPole::Around), Ok([0, 1]));
+    assert!(matches!(run(AtPole::Refuse), Err(FiveAxisError::OnPole { .. })));
+    let away = Job { at_pole: AtPole::Refuse, ..on(&machine, across(1.0, 3)) };
+    assert_eq!(plan(&away, &Budget::unlimited()).unwrap().report.n_through_poles, 0);
 }

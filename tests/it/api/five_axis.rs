@@ -89,13 +89,45 @@ async fn what_makes_no_sense_is_refused_with_its_place() {
         (with(&corner(), "path", json!([same])), "#/path"),
         (with(&corner(), "tolerance_mm", json!(0)), "#/tolerance_mm"),
         (with(&corner(), "tolerance_deg", json!(-1)), "#/tolerance_deg"),
-        (with(&corner(), "feed_mm_per_min", json!(0.001)), "#/sample_period_ms"),
         (with(&corner(), "top_distance_mm", json!(0)), "#/top_distance_mm"),
     ] {
         let answer = post(&app, SMOOTH, body.to_string(), &[]).await;
         assert_eq!(answer.status, 422, "{body}");
         assert_eq!(answer.json()["errors"][0]["pointer"], pointer, "{body}");
     }
+}
+
+#[tokio::test]
+async fn samples_are_limited_only_where_they_are_asked_for() {
+    let app = app(&[]);
+    let body = with(&corner(), "feed_mm_per_min", json!(0.001)).to_string();
+    let answer = post(&app, &format!("{SMOOTH}?samples=true"), body.clone(), &[]).await;
+    assert_eq!(answer.status, 422);
+    assert_eq!(answer.json()["errors"][0]["pointer"], "#/sample_period_ms");
+    for uri in [SMOOTH.to_owned(), format!("{SMOOTH}?format=gcode"), format!("{SMOOTH}?format=html")] {
+        assert_eq!(post(&app, &uri, body.clone(), &[]).await.status, 200, "{uri}");
+    }
+}
+
+#[tokio::test]
+async fn what_a_path_does_at_a_pole_is_chosen_and_told() {
+    let app = app(&[]);
+    let poses = [[0.3, 0.0, 1.0], [-0.3, 1e-5, 1.0]];
+    let path: Vec<Value> =
+        poses.iter().enumerate().map(|(k, axis)| json!({ "tip": [40 * k, 0, 0], "axis": axis })).collect();
+    let body = with(&with(&driven(), "path", json!(path)), "at_pole", json!("quickest"));
+    let found = |at_pole: &str| {
+        let body = with(&body, "at_pole", json!(at_pole)).to_string();
+        let app = &app;
+        async move { post(app, SMOOTH, body, &[]).await }
+    };
+    for (at_pole, counts) in [("quickest", [1, 0]), ("through", [1, 0]), ("around", [0, 1])] {
+        let report = &found(at_pole).await.json()["report"];
+        assert_eq!([&report["n_through_poles"], &report["n_around_poles"]], counts, "{report}");
+        assert_eq!(report["limits_proved"], true);
+    }
+    let refused = found("refuse").await;
+    assert_eq!((refused.status.as_u16(), &refused.json()["code"]), (422, &json!("axis_on_pole")));
 }
 
 fn driven() -> Value {

@@ -197,21 +197,29 @@ pub fn of_line(span: &Span, leg: &Leg, part: [f64; 2]) -> f64 {
     // An eighth of the second derivative bounds the height of a chord, and a quintic's has 20 times the
     // second differences.
     let bend = span.control.windows(3).map(|p| (tip(&p[2]) - tip(&p[1]) * 2.0 + tip(&p[0])).norm());
-    of_chords(&points, leg, part) + 2.5 * bend.fold(0.0, f64::max) / (POINTS * POINTS) as f64
+    let height = 2.5 * bend.fold(0.0, f64::max) / (POINTS * POINTS) as f64;
+    let of_feet = of_feet(&points, leg, part).map_or(f64::INFINITY, |distance| distance + height);
+    of_feet.min(of_points(&points, leg, part))
 }
 
-/// Bound of the distance of a part of a leg's line from a row of chords, mm. Where the chords pass the whole
-/// part, each of its places is the foot of a place of theirs.
+/// Bound of the distance of a part of a leg's line from a row of chords, mm.
 pub fn of_chords(points: &[Vector3<f64>], leg: &Leg, part: [f64; 2]) -> f64 {
+    // The chords are nearer than their ends are: each is divided.
+    const PARTS: usize = 8;
+    let divided = points
+        .windows(2)
+        .flat_map(|pair| (0..=PARTS).map(|k| pair[0].lerp(&pair[1], k as f64 / PARTS as f64)))
+        .collect::<Vec<_>>();
+    let of_feet = of_feet(points, leg, part).unwrap_or(f64::INFINITY);
+    of_feet.min(of_points(&divided, leg, part))
+}
+
+/// The same where the chords pass the whole part: each of its places is then the foot of a place of theirs.
+fn of_feet(points: &[Vector3<f64>], leg: &Leg, [from, to]: [f64; 2]) -> Option<f64> {
     const ROUNDING: f64 = 1e-12;
-    let [from, to] = part;
     let feet: Vec<f64> = points.iter().map(|p| part_of(leg, p)).collect();
-    let Some(last) = feet.iter().position(|foot| *foot >= to - ROUNDING) else {
-        return of_points(points, leg, part);
-    };
-    let Some(first) = feet[..=last].iter().rposition(|foot| *foot <= from + ROUNDING) else {
-        return of_points(points, leg, part);
-    };
+    let last = feet.iter().position(|foot| *foot >= to - ROUNDING)?;
+    let first = feet[..=last].iter().rposition(|foot| *foot <= from + ROUNDING)?;
     let clipped = |outer: usize, inner: usize, wanted: f64| {
         let share = (wanted - feet[outer]) / (feet[inner] - feet[outer]);
         if share.is_finite() {
@@ -227,7 +235,7 @@ pub fn of_chords(points: &[Vector3<f64>], leg: &Leg, part: [f64; 2]) -> f64 {
         [points[first]; 2]
     };
     let inner = points.get(first + 1..last).unwrap_or(&[]);
-    ends.iter().chain(inner).map(off).fold(0.0, f64::max)
+    Some(ends.iter().chain(inner).map(off).fold(0.0, f64::max))
 }
 
 /// Bound of the distance of a part of a leg's line from points, mm. Every stretch of the line is within the

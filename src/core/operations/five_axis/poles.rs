@@ -68,14 +68,25 @@ const FLAT: f64 = 1.0;
 /// Between places of a stretch, an axis moves by at most this multiple of what it moves at the places.
 const BETWEEN: f64 = 1.01;
 
+/// How paths are led.
+#[derive(Debug, Clone, Copy)]
+pub struct Way {
+    /// Whether a path may go through a pole.
+    pub may_cross: bool,
+    /// Whether limits are to be proved. Otherwise a path that lies on the pole and leaves it straight stays
+    /// as it is: the free angle has one value there, but derivatives only where the path leaves the pole
+    /// evenly.
+    pub has_limits: bool,
+}
+
 /// Moves the axes beside poles. A path that `may_cross` goes through poles; otherwise it goes around them,
 /// which takes up to half a turn of the free axis. Returns how far an axis has moved, radians.
-pub fn lead(path: &mut Path, poles: &[UnitVector3<f64>], tolerance: f64, may_cross: bool) -> f64 {
+pub fn lead(path: &mut Path, poles: &[UnitVector3<f64>], tolerance: f64, way: Way) -> f64 {
     let mut moved = 0.0_f64;
     for pole in poles {
         let allowed = SHARE * tolerance;
         let found = RADII.iter().find_map(|radius| {
-            let disc = Disc::new(pole, radius * tolerance, may_cross);
+            let disc = Disc::new(pole, radius * tolerance, way);
             let (led, own) = disc.led(path)?;
             (own <= allowed).then_some((led, own))
         });
@@ -93,7 +104,7 @@ struct Disc<'a> {
     across: [Vector3<f64>; 2],
     /// Radians.
     radius: f64,
-    may_cross: bool,
+    way: Way,
 }
 
 /// A stretch of the path in the disc: the leg and its part at both ends. An end inside the disc is one of the
@@ -106,9 +117,9 @@ struct Stretch {
 }
 
 impl<'a> Disc<'a> {
-    fn new(pole: &'a UnitVector3<f64>, radius: f64, may_cross: bool) -> Self {
+    fn new(pole: &'a UnitVector3<f64>, radius: f64, way: Way) -> Self {
         let first = pole.cross(&if pole.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() }).normalize();
-        Self { pole, across: [first, pole.cross(&first)], radius, may_cross }
+        Self { pole, across: [first, pole.cross(&first)], radius, way }
     }
 
     /// The path led through the pole, and how far an axis has moved; none if no stretch is in the disc.
@@ -194,8 +205,23 @@ impl<'a> Disc<'a> {
             }
             goes_on = to >= 1.0 - SAME_PART;
         }
-        stretches.retain(|stretch| stretch.ends[0] != stretch.ends[1]);
+        stretches.retain(|stretch| {
+            let stays = !self.way.has_limits && self.leaves_exactly(path, stretch);
+            stretch.ends[0] != stretch.ends[1] && !stays
+        });
         stretches
+    }
+
+    /// Whether a stretch at an end of the path lies on the pole, but for a leg that leaves it straight.
+    fn leaves_exactly(&self, path: &Path, stretch: &Stretch) -> bool {
+        let [(first, _), (last, _)] = stretch.ends;
+        let mut on_pole = match stretch.is_inside {
+            [false, false] => return false,
+            [true, false] => first..=last,
+            [false, true] => first + 1..=last + 1,
+            [true, true] => first..=last + 1,
+        };
+        on_pole.all(|k| angle_between(&top(&path.stations[k]), self.pole) <= SAME_AXIS)
     }
 
     /// The part of a leg that is in the disc.
@@ -229,7 +255,7 @@ impl<'a> Disc<'a> {
             y.atan2(x)
         });
         let is_opposite = turn(ends[0], ends[1]).abs() > FRAC_PI_2;
-        (ends, self.may_cross && stretch.is_inside == [false; 2] && is_opposite)
+        (ends, self.way.may_cross && stretch.is_inside == [false; 2] && is_opposite)
     }
 
     /// The places of a stretch with the poses there.

@@ -311,7 +311,7 @@ fn at_feed(
 ) -> Result<Vec<TimedPose>, FiveAxisError> {
     let samples = motion.samples(period_s, budget)?;
     let followed = job.machine.as_ref().map(|machine| {
-        let stations = resolved(rail, machine, job.start(), budget)?;
+        let stations = resolved(rail, machine, job.start(), true, budget)?;
         Ok::<_, FiveAxisError>((machine, stations))
     });
     let followed = followed.transpose()?;

@@ -87,7 +87,7 @@ impl<'a> Drive<'a> {
         let some = |(u, joints): Followed| (u, Some(joints));
         let stations: Vec<Vec<(f64, Option<AxisPositions>)>> = match machine {
             Some((machine, start)) => {
-                let followed = resolved(rail, machine, start, budget)?;
+                let followed = resolved(rail, machine, start, false, budget)?;
                 followed.into_iter().map(|own| own.into_iter().map(some).collect()).collect()
             }
             None => {

@@ -59,7 +59,8 @@ pub fn unfollowed(rail: &Rail) -> Vec<Vec<f64>> {
 
 /// The stations of each piece, between which no rotary axis turns far. Beside the pole a rotary axis turns
 /// far on a short way: there the stations are as near as needed. `start` holds the angles of the rotary axes
-/// before the path, radians.
+/// before the path, radians. Where a rapid begins or ends on a pole, `rapids_may_jump`: the machine turns
+/// there.
 ///
 /// # Errors
 /// Where the machine cannot follow the rails, and where an axis would have to jump.
@@ -67,6 +68,7 @@ pub fn resolved(
     rail: &Rail,
     machine: &Machine,
     start: [f64; 2],
+    rapids_may_jump: bool,
     budget: &Budget,
 ) -> Result<Vec<Vec<Station>>, FiveAxisError> {
     let mut places = unfollowed(rail);
@@ -91,26 +93,26 @@ pub fn resolved(
             finer.push(finer_own);
         }
         if farthest.0 <= RESOLVED {
-            return without_jumps(rail, stations);
+            return match first_jump(rail, &stations, rapids_may_jump) {
+                Some(at) => Err(FiveAxisError::OnPole { at }),
+                None => Ok(stations),
+            };
         }
         places = finer;
     }
     Err(FiveAxisError::OnPole { at: farthest.1 })
 }
 
-/// The stations, unless an axis has two positions where two pieces meet: on the pole, the angle that a piece
-/// ends with may differ from the one that the next piece needs.
-fn without_jumps(rail: &Rail, stations: Vec<Vec<Station>>) -> Result<Vec<Vec<Station>>, FiveAxisError> {
-    for (piece, pair) in rail.pieces.iter().zip(stations.windows(2)) {
-        let ends = [pair[0].last(), pair[1].first()];
-        if let [Some(end), Some(start)] = ends
-            && turn(&end.1, &start.1) > SAME_ANGLE
-        {
-            let at = Point3::from(tip(&piece.spans[piece.spans.len() - 1].end()));
-            return Err(FiveAxisError::OnPole { at });
-        }
-    }
-    Ok(stations)
+/// The first place where an axis has two positions because two pieces meet there: on the pole, the angle that
+/// a piece ends with may differ from the one that the next piece needs.
+fn first_jump(rail: &Rail, stations: &[Vec<Station>], rapids_may_jump: bool) -> Option<Point3<f64>> {
+    let ends = stations.windows(2).map(|pair| Some([pair[0].last()?.1, pair[1].first()?.1]));
+    rail.pieces.windows(2).zip(ends).find_map(|(pieces, ends)| {
+        let [end, start] = ends?;
+        let may_jump = rapids_may_jump && pieces.iter().any(|piece| piece.is_rapid);
+        let at = tip(&pieces[1].spans[0].start());
+        (!may_jump && turn(&end, &start) > SAME_ANGLE).then(|| Point3::from(at))
+    })
 }
 
 /// The larger turn of the two rotary axes, radians.

@@ -182,7 +182,7 @@ proptest! {
             _ => line(start.coords.into(), [ends[3], ends[4], ends[5]]),
         };
         let sampled = sampled(&surface, &cutter, &tip);
-        let found = depth(&surface, &cutter, tip.clone());
+        let found = depth(&surface, &cutter, tip);
         prop_assert!(sampled <= found.bound_mm + 1e-9, "{} {:?}", sampled, found);
         // Deep in the part all directions give nearly the same depth, and the search may reach its limit.
         let often = if cutter.flat_radius() > 0.0 { 2f64.sqrt() } else { 1.0 };

@@ -233,7 +233,7 @@ fn path(job: &Job, may_cross: bool) -> Result<Path, FiveAxisError> {
     if let Some(machine) = &job.machine {
         let poles: Vec<_> = machine.poles().collect();
         let way = poles::Way { may_cross, has_limits: job.limits.is_some() };
-        path.moved.axis += poles::lead(&mut path, &poles, tolerance.axis, way);
+        poles::lead(&mut path, &poles, tolerance.axis, way);
         path.rooms = poles::rooms(&path, &poles);
         if job.at_pole == AtPole::Refuse
             && let Some(at) = path.passed.at

@@ -30,7 +30,7 @@ pub struct Cleaned {
     pub moved: Deviation,
 }
 
-/// Cleans a path of poses. What is within `allowed` may move.
+/// Cleans a path of poses. Tips and axes move by at most `allowed`.
 pub fn clean(poses: &[Point6], allowed: Deviation) -> Cleaned {
     let mut cleaned = Cleaned { kept: Vec::with_capacity(poses.len()), moved: Deviation::NONE };
     let mut first = 0;

@@ -80,11 +80,11 @@ pub struct Way {
 }
 
 /// Moves the axes beside poles. A path that `may_cross` goes through poles; otherwise it goes around them,
-/// which takes up to half a turn of the free axis. Returns how far an axis has moved, radians.
-pub fn lead(path: &mut Path, poles: &[UnitVector3<f64>], tolerance: f64, way: Way) -> f64 {
-    let mut moved = 0.0_f64;
+/// which takes up to half a turn of the free axis. All that has moved the axes, the cleaning too, takes at
+/// most [`SHARE`] of the tolerance.
+pub fn lead(path: &mut Path, poles: &[UnitVector3<f64>], tolerance: f64, way: Way) {
     for pole in poles {
-        let allowed = SHARE * tolerance;
+        let allowed = SHARE * tolerance - path.moved.axis;
         let found = RADII.iter().find_map(|radius| {
             let disc = Disc::new(pole, radius * tolerance, way);
             let (led, own) = disc.led(path)?;
@@ -92,10 +92,9 @@ pub fn lead(path: &mut Path, poles: &[UnitVector3<f64>], tolerance: f64, way: Wa
         });
         if let Some((led, own)) = found {
             *path = led;
-            moved = moved.max(own);
+            path.moved.axis += own;
         }
     }
-    moved
 }
 
 /// The disc about a pole.

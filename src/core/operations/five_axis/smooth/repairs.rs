@@ -1,4 +1,5 @@
-//! The proof of the spans of a run, and what is tried where it fails.
+//! Proves the spans of a run, and repairs legs whose spans leave the tolerance: points are added or moved, or
+//! an end becomes a corner.
 
 use super::{Inner, LARGEST_TURN, Smoother};
 use crate::operations::five_axis::deviation::{Deviation, of_span};

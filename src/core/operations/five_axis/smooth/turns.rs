@@ -36,7 +36,7 @@ pub struct Chain {
 /// are `on_pole`. The sources of its spans count legs from `first` on.
 ///
 /// # Errors
-/// Those of [`smooth`].
+/// The errors of [`smooth`].
 pub fn chain(
     legs: &[Leg],
     on_pole: &[bool],

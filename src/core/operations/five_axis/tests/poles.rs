@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::machine::named::{by_name, named};
-use crate::operations::five_axis::AtPole;
+use crate::operations::five_axis::{AtPole, path};
 
 /// The tolerance of the axis in these tests, degrees.
 const TOLERANCE_DEG: f64 = 0.2;
@@ -192,6 +192,23 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn cleaning_and_leading_together_move_axes_by_at_most_half_of_the_tolerance() {
+    let machine = by_name("table_table_ac").unwrap();
+    let about = Unit::new_normalize(Vector3::new(1.0, 2.0, 0.0));
+    let doubled: Vec<Pose> = across(0.097, 6)
+        .into_iter()
+        .flat_map(|pose| {
+            let turned = Rotation3::from_axis_angle(&about, 0.0095_f64.to_radians()) * pose.axis;
+            [pose, Pose { axis: turned, ..pose }]
+        })
+        .collect();
+    let job = on(&machine, doubled);
+    let path = path(&job, true).unwrap();
+    assert!(path.moved.axis > 0.0 && path.moved.axis <= 0.5 * job.tolerance_axis, "{:?}", path.moved);
+    assert!(plan(&job, &Budget::unlimited()).unwrap().report.within_tolerance);
 }
 
 #[test]

@@ -48,8 +48,8 @@ impl Machine {
     /// Balls around the Taylor coefficients of X, Y, Z (mm) and the two rotary axes (radians) over a range of
     /// the parameter of a path: the coefficient of order k is the derivative by k!. `tip` and `axis` hold
     /// such balls of the tip and of a vector along the tool axis. `near` selects the branch and the number of
-    /// full turns. On a path through the pole, `through` tells how; its `way` is that of the middle of the
-    /// range, whose half length is `half`.
+    /// full turns. On a path through the pole, `through` tells how; its `way` leads from the pole to
+    /// the middle of the range, whose half length is `half`.
     ///
     /// `None` where the range may touch the pole, unless the path goes through it, or the end of reach.
     pub fn coefficients<const N: usize>(
@@ -73,8 +73,8 @@ impl Machine {
         all.iter().flatten().all(|ball| ball.most().is_finite()).then_some(all)
     }
 
-    /// The positions for a tip and a vector along the tool axis. `start` is that of
-    /// [`RotaryPair::solve_from`](super::orientation::RotaryPair::solve_from).
+    /// The positions for a tip and a vector along the tool axis. Directions count from
+    /// `start` on, see [`RotaryPair::solve_from`](super::orientation::RotaryPair::solve_from).
     fn along<S: Scalar>(
         &self,
         tip: [S; 3],

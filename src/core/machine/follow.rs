@@ -114,7 +114,7 @@ impl Machine {
     /// to the workpiece by half a turn there.
     ///
     /// # Errors
-    /// Those of [`Self::follow`].
+    /// The errors of [`Self::follow`].
     pub fn follow_exactly(&self, poses: &[Pose], start: [f64; 2]) -> Result<Vec<AxisPositions>, FollowError> {
         self.followed(poses, start, false)
     }

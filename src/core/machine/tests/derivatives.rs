@@ -123,7 +123,7 @@ fn there_are_no_derivatives_at_the_pole_and_at_the_end_of_reach() {
     assert!(found.is_none_or(|all| all.iter().flatten().all(|d| d.is_finite())));
 }
 
-/// On a path straight through the pole, the derivatives are those of the positions beside it.
+/// On a path straight through the pole, differences of positions beside it are near the derivatives on it.
 #[test]
 fn derivatives_on_the_pole_are_those_of_a_path_through_it() {
     for machine in named() {

@@ -302,3 +302,23 @@ fn the_schema_check_finds_a_body_that_breaks_its_schema() {
         assert!(!schema::faults(&document, mill, &broken, "#").is_empty(), "no fault was found at {pointer}");
     }
 }
+
+#[test]
+fn every_optional_member_of_a_request_may_be_null() {
+    let document = parsed();
+    let schemas = &document["components"]["schemas"];
+    let allows_null = |schema: &Value| {
+        schema["type"].as_array().is_some_and(|types| types.contains(&"null".into()))
+            || schema["oneOf"].as_array().is_some_and(|items| items.iter().any(|item| item["type"] == "null"))
+    };
+    for name in ["MillRequest", "InterpolateRequest", "Wires", "Cutting", "PocketRequest", "LineMove"] {
+        let required = schemas[name]["required"].as_array().cloned().unwrap_or_default();
+        let properties = schemas[name]["properties"].as_object().expect("an object");
+        for (member, schema) in
+            properties.iter().filter(|(member, _)| !required.contains(&Value::from(member.as_str())))
+        {
+            assert!(allows_null(schema), "{name}.{member} must not be null");
+        }
+    }
+    assert!(allows_null(&schemas["MetaTexts"]["additionalProperties"]));
+}

@@ -126,6 +126,7 @@ pub fn contract() -> String {
     let mut document = serde_json::to_value(openapi).unwrap_or_default();
     additions::add(&mut document);
     additions::tidy(&mut document);
+    additions::let_optional_members_be_null(&mut document);
     examples::add(&mut document);
     format!("{document:#}")
 }

@@ -9,6 +9,7 @@ ENV RUSTFLAGS="-C target-feature=+crt-static"
 # The dependencies have a layer of their own. It is built again only when a manifest or the lock file changes.
 COPY Cargo.toml Cargo.lock ./
 COPY src/core/Cargo.toml src/core/
+COPY src/nc/Cargo.toml src/nc/
 COPY src/post/Cargo.toml src/post/
 COPY src/plot/Cargo.toml src/plot/
 COPY src/server/Cargo.toml src/server/
@@ -17,7 +18,7 @@ COPY benches benches
 # Empty files stand for the other targets that the manifests name, so that Cargo builds the dependencies alone.
 RUN mkdir -p tests/real/controller tests/real/overload \
     && echo 'fn main() {}' > src/main.rs \
-    && touch src/core/lib.rs src/post/lib.rs src/plot/lib.rs src/server/lib.rs \
+    && touch src/core/lib.rs src/nc/lib.rs src/post/lib.rs src/plot/lib.rs src/server/lib.rs \
         tests/real/controller/main.rs tests/real/overload/main.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && rm -r src benches

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// The crates below the server, each with its folder. They are computations: they name no file, no socket, no
 /// terminal and no clock.
-const COMPUTING: &[&str] = &["core", "post", "plot"];
+const COMPUTING: &[&str] = &["core", "nc", "post", "plot"];
 
 /// Words of the standard library that a crate of computations must not name. Its manifest tells which other
 /// libraries it may name.
@@ -213,6 +213,10 @@ fn types_named_by_a_word_of_the_glossary_are_where_its_row_tells() {
 /// The name of the type that a line of code defines.
 fn type_defined(line: &str) -> Option<&str> {
     let rest = line.trim_start();
+    // The standard library names this type of `Deref`.
+    if rest.starts_with("type Target ") {
+        return None;
+    }
     let rest = match rest.strip_prefix("pub") {
         Some(public) => public.split_once(' ')?.1,
         None => rest,

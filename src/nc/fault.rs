@@ -1,0 +1,116 @@
+//! Why a word of a program is refused, and where it stands.
+
+use toolpathd_core::geometry::curve::ArcError;
+
+/// Most refusals of one reading. The reading ends there: what follows is seldom worth more words.
+pub const MAX_REFUSALS: usize = 100;
+
+/// What is wrong with a word, or with the block in which it stands.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Fault {
+    #[error("no word begins here")]
+    NoWord,
+    #[error("no number can be read here")]
+    NoNumber,
+    #[error("the comment has no end")]
+    OpenComment,
+    #[error("the control does not know this code")]
+    UnknownCode,
+    #[error("the control does not know this word here")]
+    UnusedWord,
+    #[error("this version does not read this code")]
+    NotRead,
+    #[error("this version reads no rotary and no second linear axes")]
+    OtherAxis,
+    #[error("the letter stands twice in the block")]
+    Twice,
+    #[error("it excludes another word of the block")]
+    Conflict,
+    #[error("the word {0} is missing")]
+    Missing(char),
+    #[error("coordinates, but no G0, G1, G2, G3 or cycle is in force")]
+    NoMotion,
+    #[error("the block cuts, but no feed is in force")]
+    NoFeed,
+    #[error("a feed per turn needs a spindle speed")]
+    NoSpindleSpeed,
+    #[error("under G93 every block that cuts needs an F")]
+    NoInverseTime,
+    #[error("the block cuts from a place that is not known in {0}")]
+    UnknownStart(char),
+    #[error("the block cuts to a place that is not known in {0}")]
+    UnknownEnd(char),
+    #[error("the arc has no centre and no radius")]
+    NoCenter,
+    #[error("the distance of the centre may be incremental or absolute, and both fit: write G91.1 or G90.1")]
+    UnsureCenter,
+    #[error("{0}")]
+    Arc(#[from] ArcError),
+    #[error(
+        "the ends of the arc are {chord_mm:.4} mm apart, which a radius of {radius_mm:.4} mm cannot span"
+    )]
+    SmallRadius { chord_mm: f64, radius_mm: f64 },
+    #[error("a radius cannot say a full circle: write the distance of the centre")]
+    ClosedRadius,
+    #[error("the number {0} is out of range here")]
+    OutOfRange(f64),
+    #[error("cutter compensation changes the path by the tool of the machine")]
+    Compensation,
+    #[error("Z of the cycle lies above its R")]
+    CycleUpward,
+    #[error("the work offset is not known")]
+    UnknownOffset,
+    #[error("the value is only known at the machine")]
+    AtMachine,
+    #[error("the expression cannot be read")]
+    BadExpression,
+    #[error("the expression has no value: {0}")]
+    NoValue(&'static str),
+    #[error("the expression is nested too deeply")]
+    TooDeep,
+    #[error("a number without a point is ambiguous here: write a point")]
+    NoPoint,
+    #[error("the program raises an alarm of its own")]
+    Alarm,
+    #[error("the program to call is not in the text")]
+    NoProgram,
+    #[error("the block to go to is not in the program")]
+    NoLabel,
+    #[error("the loop or the branch has no beginning or no end")]
+    OpenLoop,
+    #[error("the program that is called has no end (M99)")]
+    OpenCall,
+    #[error("calls are nested more than {0} deep")]
+    DeepCalls(usize),
+    #[error("the program has no end: write M2, M30 or a percent sign at its end")]
+    NoEnd,
+    #[error("the program runs more than {0} blocks, or without an end")]
+    Endless(usize),
+    #[error("the toolpath has more than {0} moves, the most that are allowed")]
+    TooManyMoves(usize),
+    #[error("a coordinate is not finite, or too large")]
+    NotFinite,
+}
+
+/// A word that is refused.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refusal {
+    /// Line of the text, counted from 1.
+    pub line: usize,
+    /// Byte of the line, counted from 1.
+    pub column: usize,
+    /// The word as it is written, or the start of it.
+    pub word: String,
+    pub fault: Fault,
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { line, column, word, fault } = self;
+        if word.is_empty() {
+            write!(f, "line {line}: {fault}")
+        } else {
+            write!(f, "line {line}, column {column}, {word}: {fault}")
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! Lengths of tools, work offsets, shifts, and the ways to places of the machine.
+
+use super::{AXES, Block, Code, Family, Fault, Line, Machine, Meaning, Note, WordValue};
+use crate::frames::{EXTENDED, name};
+
+impl Machine<'_> {
+    /// G43, G44 and G49. Another length puts the tip to a height that is not known.
+    pub(super) fn select_lengths(&mut self, line: Line<'_>, block: &mut Block, meanings: &[(Code, Meaning)]) {
+        for (code, meaning) in meanings {
+            let Meaning::Length(is_on) = meaning else { continue };
+            let is_dynamic = code.tenths == 431 || code.tenths == 432;
+            let number = match block.peek(b'H') {
+                _ if !is_on => Some(0),
+                // G43.1 has lengths of its own instead of a number.
+                _ if is_dynamic => None,
+                Some(slot) => {
+                    block.use_up(b"H");
+                    if slot.value < 0.0 || slot.value.fract() != 0.0 {
+                        self.refuse_word(line, slot, Fault::OutOfRange(slot.value));
+                    }
+                    Some(slot.value as i64)
+                }
+                None if self.control.is(Family::LinuxCnc) => self.tool().map(i64::from),
+                // G44 counts the other way.
+                None => None,
+            };
+            let number = if code.tenths == 440 { number.map(|number| -number) } else { number };
+            if number.is_none() || number != self.length {
+                self.at[2] = None;
+            }
+            self.length = number;
+            if is_dynamic {
+                block.use_up(&AXES);
+            }
+        }
+    }
+
+    /// G54 to G59.3, G54.1 and G154.
+    pub(super) fn select_offsets(&mut self, line: Line<'_>, block: &mut Block, meanings: &[(Code, Meaning)]) {
+        for (code, meaning) in meanings {
+            let number = match meaning {
+                Meaning::WorkOffset(number) => *number,
+                Meaning::ExtendedOffset | Meaning::OffsetByH => {
+                    let (letter, first) =
+                        if *meaning == Meaning::OffsetByH { (b'H', 0) } else { (b'P', EXTENDED) };
+                    match block.take(letter) {
+                        None => {
+                            self.refuse_code(line, *code, Fault::Missing(char::from(letter)));
+                            continue;
+                        }
+                        Some(slot) if (1.0..=300.0).contains(&slot.value) && slot.value.fract() == 0.0 => {
+                            first + slot.value as u32
+                        }
+                        Some(slot) => {
+                            self.refuse_word(line, slot, Fault::OutOfRange(slot.value));
+                            continue;
+                        }
+                    }
+                }
+                _ => continue,
+            };
+            let before = self.frames.frame();
+            self.frames.select(number, &mut self.at);
+            if before != self.frames.frame() && self.record.has_moves() {
+                self.note(Note::UnrelatedOffset { line: line.number, offset: name(number) });
+            }
+        }
+    }
+
+    /// The lengths of the axis words of a block, mm.
+    fn axis_lengths(&mut self, line: Line<'_>, block: &mut Block) -> [Option<f64>; 3] {
+        let slots: [Option<WordValue>; 3] = AXES.map(|letter| block.take(letter));
+        slots.map(|slot| slot.map(|slot| self.length_mm(line, slot)))
+    }
+
+    /// G10. Other data than work offsets is left alone.
+    pub(super) fn set_data(&mut self, line: Line<'_>, block: &mut Block) {
+        let Some(kind) = block.take(b'L') else {
+            self.refuse(line.refused(Fault::Missing('L')));
+            return;
+        };
+        let number = block.take(b'P').map(|slot| slot.value);
+        let follows_linuxcnc = self.control.is_strict || self.control.is(Family::Mach);
+        let is_offset = kind.value == 2.0 || kind.value == 20.0;
+        if !is_offset {
+            self.left.add(&format!("G10 L{}", kind.value), line.number);
+            block.use_up(b"XYZRIJKQABCD");
+            if self.length != Some(0) {
+                self.at[2] = None;
+                self.length = None;
+            }
+            return;
+        }
+        if let Some(slot) = block.take(b'R').filter(|slot| slot.value != 0.0) {
+            // R turns the coordinates.
+            self.refuse_word(line, slot, Fault::NotRead);
+        }
+        let extended = kind.value == 20.0 && !follows_linuxcnc;
+        let number = match number {
+            Some(number) if number.fract() != 0.0 || !(0.0..=300.0).contains(&number) => None,
+            Some(0.0) if follows_linuxcnc => Some(self.frames.active()),
+            // P0 moves the zeros of all work offsets.
+            Some(0.0) | None => None,
+            Some(number) if extended => Some(EXTENDED + number as u32),
+            Some(number) => Some(number as u32),
+        };
+        let Some(number) = number else {
+            self.refuse(line.refused(Fault::UnknownOffset));
+            return;
+        };
+        let lengths = self.axis_lengths(line, block);
+        let before = self.frames.frame();
+        for (axis, length) in lengths.into_iter().enumerate() {
+            let Some(mm) = length else { continue };
+            if kind.value == 20.0 && follows_linuxcnc {
+                self.frames.place_zero_by_tool(number, axis, mm, &mut self.at);
+            } else if !self.is_absolute && !follows_linuxcnc {
+                // Adds to a zero that is not known.
+                self.refuse(line.refused(Fault::UnknownOffset));
+                return;
+            } else {
+                self.frames.place_zero(number, axis, mm, &mut self.at);
+            }
+        }
+        self.note_frames(line, before);
+    }
+
+    fn note_frames(&mut self, line: Line<'_>, before: [u32; 3]) {
+        if before != self.frames.frame() && self.record.has_moves() {
+            self.note(Note::UnrelatedPlace { line: line.number });
+        }
+    }
+
+    /// G52: a zero beside the work offset's.
+    pub(super) fn shift_locally(&mut self, line: Line<'_>, block: &mut Block) {
+        for (axis, length) in self.axis_lengths(line, block).into_iter().enumerate() {
+            if let Some(mm) = length {
+                self.frames.shift_locally(axis, mm);
+            }
+        }
+    }
+
+    /// G92: the coordinates of where the tool stands.
+    pub(super) fn set_place(&mut self, line: Line<'_>, block: &mut Block) {
+        let before = self.frames.frame();
+        for (axis, length) in self.axis_lengths(line, block).into_iter().enumerate() {
+            if let Some(mm) = length {
+                self.frames.set(axis, mm, &mut self.at);
+            }
+        }
+        self.note_frames(line, before);
+    }
+
+    /// G92.1, G92.2 and G92.3.
+    pub(super) fn unset_place(&mut self, meaning: Meaning, axes: [bool; 3]) {
+        match meaning {
+            Meaning::UnsetPlace { keeps } => self.frames.unset(axes, keeps, &mut self.at),
+            _ => self.frames.restore(),
+        }
+    }
+
+    /// G28 and G30: by way of the given place to a place of the machine.
+    pub(super) fn go_home(&mut self, line: Line<'_>, block: &mut Block) {
+        block.use_up(b"P");
+        let has_axes = block.has(&AXES);
+        let named = AXES.map(|letter| !has_axes || block.has(&[letter]));
+        let way = self.target(line, block);
+        self.rapid(line, way);
+        for axis in (0..3).filter(|axis| named[*axis]) {
+            self.at[axis] = None;
+        }
+        self.record.n_rapids_not_counted += 1;
+    }
+
+    /// The place that a block under G53 names.
+    pub(super) fn machine_target(&mut self, line: Line<'_>, block: &mut Block) -> super::At {
+        let lengths = self.axis_lengths(line, block);
+        let mut to = self.at;
+        for axis in 0..3 {
+            if let Some(mm) = lengths[axis] {
+                to[axis] = self.frames.of_machine(axis, mm);
+            }
+        }
+        to
+    }
+
+    /// The place that the axis words of a block name; the place of the tool along other axes.
+    pub(super) fn target(&mut self, line: Line<'_>, block: &mut Block) -> super::At {
+        let lengths = self.axis_lengths(line, block);
+        let mut to = self.at;
+        for axis in 0..3 {
+            let Some(mm) = lengths[axis] else { continue };
+            to[axis] = if self.is_absolute {
+                Some(mm + self.frames.shift(axis))
+            } else {
+                self.at[axis].map(|at| at + mm)
+            };
+        }
+        to
+    }
+}

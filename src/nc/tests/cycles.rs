@@ -1,0 +1,47 @@
+//! Canned cycles against the sums of their moves.
+
+use super::*;
+
+#[test]
+fn each_cycle_makes_its_own_moves() {
+    let at = "G21 G90\nG0 X0. Y0. Z10.\nG98";
+    // From Z10 over X10 to R1, down to Z-5 and back to Z10.
+    for (words, cut, rapid) in [
+        ("G81 X10. Z-5. R1. F100.", 6.0, 10.0 + 9.0 + 15.0),
+        ("G82 X10. Z-5. R1. P500 F100.", 6.0, 10.0 + 9.0 + 15.0),
+        ("G99 G81 X10. Z-5. R1. F100.", 6.0, 10.0 + 9.0 + 6.0),
+        ("G85 X10. Z-5. R1. F100.", 12.0, 10.0 + 9.0 + 9.0),
+        ("G89 X10. Z-5. R1. F100.", 12.0, 10.0 + 9.0 + 9.0),
+        ("G84 X10. Z-5. R1. F100.", 12.0, 10.0 + 9.0 + 9.0),
+        ("G86 X10. Z-5. R1. F100.", 6.0, 10.0 + 9.0 + 15.0),
+        ("G81 X10. Z-5. R1. F100.\nX20.\nG80", 12.0, 2.0 * (10.0 + 9.0 + 15.0)),
+        ("G91 G81 X10. Z-6. R-9. F100. K3", 18.0, 3.0 * (10.0 + 9.0 + 15.0)),
+        ("G81 Z-5. R1. F100.", 6.0, 9.0 + 15.0),
+    ] {
+        close(&lengths("fanuc", &format!("{at}\n{words}\nM30\n")), &[cut, rapid]);
+    }
+}
+
+#[test]
+fn pecking_rapids_down_its_own_hole() {
+    // Pecks to -1 and -3, then the bottom at -5: two ways out to R and back to 1 mm above the peck.
+    let text = "G21 G90\nG0 X0. Y0. Z10.\nG98 G83 Z-5. R1. Q2. F100.\nM30\n";
+    let reading = of("fanuc", text);
+    close(&lengths("fanuc", text), &[2.0 + 3.0 + 3.0, 9.0 + (2.0 + 1.0) + (4.0 + 3.0) + 15.0]);
+    assert!(reading.notes.contains(&Note::PeckClearance { line: 3, mm: 1.0 }));
+    let chips = text.replace("G83", "G73");
+    close(&lengths("fanuc", &chips), &[8.0, 9.0 + 1.0 + 1.0 + 15.0]);
+}
+
+#[test]
+fn a_cycle_without_its_words_is_refused() {
+    let of = |words: &str| {
+        let text = format!("G21 G90\nG0 X0. Y0. Z10.\n{words}\nM30\n");
+        faults("haas", &text).into_iter().map(|(_, _, fault)| fault).collect::<Vec<_>>()
+    };
+    assert_eq!(of("G81 X1. Z-5. F100."), [Fault::Missing('R')]);
+    assert_eq!(of("G83 X1. Z-5. R1. F100."), [Fault::Missing('Q')]);
+    assert_eq!(of("G81 X1. Z5. R1. F100."), [Fault::CycleUpward]);
+    assert_eq!(of("G87 X1. Z-5. R1. F100."), [Fault::NotRead]);
+    assert_eq!(of("G81 X1. Z-5. R1."), [Fault::NoFeed]);
+}

@@ -1,0 +1,58 @@
+//! Calls, loops, jumps and variables.
+
+use super::*;
+
+fn cut(dialect: &str, text: &str) -> f64 {
+    lengths(dialect, text)[0]
+}
+
+#[test]
+fn subprograms_run_as_often_as_they_are_called() {
+    let sub = "O1000\nG91 G1 X2. F60.\nG90\nM99\n%\n";
+    let head = "%\nO1\nG21 G90\nG0 X0. Y0. Z0.\n";
+    for (call, length) in
+        [("M98 P1000", 2.0), ("M98 P1000 L3", 6.0), ("M98 P51000", 10.0), ("G65 P1000 L2", 4.0)]
+    {
+        assert_eq!(cut("fanuc", &format!("{head}{call}\nM30\n{sub}")), length, "{call}");
+    }
+    let local = format!("{head}M97 P100 L2\nM30\nN100 G91 G1 X3. F60.\nG90\nM99\n%\n");
+    assert_eq!(cut("haas", &local), 6.0);
+    let oword =
+        "G21\nO100 sub\nG91 G1 X#1 F60\nG90\nO100 endsub\nG0 X0 Y0 Z0\nO100 call [2*3]\nO100 call [1]\nM2\n";
+    assert_eq!(cut("linuxcnc", oword), 7.0);
+    let open = format!("{head}M98 P1000\nM30\nO1000\nG91 G1 X2. F60.\n%\n");
+    assert_eq!(faults("fanuc", &open), [(5, "M98 P1000".into(), Fault::OpenCall)]);
+    assert_eq!(faults("fanuc", &format!("{head}M98 P7\nM30\n%\n"))[0].2, Fault::NoProgram);
+    assert_eq!(faults("fanuc", &format!("{head}M98 P1\nM30\n%\n"))[0].2, Fault::DeepCalls(16));
+}
+
+#[test]
+fn loops_and_branches_of_both_languages_run() {
+    let fanuc = "O1\nG21 G90\nG0 X0. Y0. Z0.\n#1=0\nWHILE [#1 LT 5] DO1\nG91 G1 X1. F60.\n#1=#1+1\nEND1\nIF [#1 NE 5] GOTO 99\nG1 X[#1*2]\nIF [#1 EQ 5] THEN #2=3\nX#2\nN99 G90\nM30\n";
+    assert_eq!(cut("fanuc", fanuc), 5.0 + 10.0 + 3.0);
+    let jump =
+        "G21\nG0 X0. Y0. Z0.\n#1=0\nN5 G91 G1 X1. F60.\n#1=#1+1\nIF [#1 LT 4] GOTO5\nGOTO 9\nX100.\nN9 M30\n";
+    assert_eq!(cut("haas", jump), 4.0);
+    let o_words = "G21 G91\nG92 X0 Y0 Z0\n#1=0\no1 while [#1 lt 3]\nG1 X1 F60\n#1=[#1+1]\no1 endwhile\no2 do\n#1=[#1-1]\nX1\no2 while [#1 gt 0]\no3 repeat [4]\nX1\no4 if [#1 eq 0]\no3 break\no4 endif\no3 endrepeat\no5 if [#1 gt 5]\nX100\no5 elseif [#1 eq 0]\nX2\no5 else\nX200\no5 endif\n#<a>=7\nX#<a>\nM2\n";
+    assert_eq!(cut("linuxcnc", o_words), 3.0 + 3.0 + 1.0 + 2.0 + 7.0);
+}
+
+#[test]
+fn endless_programs_end_in_a_refusal_or_after_one_run() {
+    let text = "G21\nN1 G0 X0. Y0. Z0.\nGOTO 1\nM30\n";
+    assert!(matches!(faults("fanuc", text)[0].2, Fault::Endless(_)));
+    let bar = "G21\nG0 X0. Y0. Z0.\nG1 X1. F60.\nM99\n";
+    let reading = of("fanuc", bar);
+    assert!(reading.notes.contains(&Note::RunsAgain { line: 4 }));
+    assert_eq!(faults("fanuc", "G21\nG0 X#500\nM30\n"), [(2, "X#500".into(), Fault::AtMachine)]);
+    assert_eq!(faults("fanuc", "#3000=1(STOP)\nM30\n")[0].2, Fault::Alarm);
+    assert_eq!(faults("fanuc", "GOTO 7\nM30\n")[0].2, Fault::NoLabel);
+    assert_eq!(faults("fanuc", "WHILE [1 EQ 2] DO1\nM30\n")[0].2, Fault::OpenLoop);
+}
+
+#[test]
+fn optional_blocks_run_unless_they_are_skipped() {
+    let text = "G21\nG0 X0 Y0 Z0\n/G1 X5 F60\nG1 X10 F60\nM2\n";
+    let skips = ReadJob { skips_optional: true, ..job("linuxcnc", text) };
+    assert_eq!((of("linuxcnc", text).lines, reading(&skips).lines), (vec![3, 4], vec![4]));
+}

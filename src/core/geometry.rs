@@ -15,6 +15,7 @@ pub mod mesh;
 pub mod offset;
 pub mod plane;
 pub mod plane_curve;
+pub mod point_judge;
 pub mod polyline;
 pub mod profile;
 pub mod region;

@@ -28,5 +28,6 @@ pub mod engagement;
 pub mod gouge;
 pub mod offset_section;
 pub mod regularity;
+pub mod uncut;
 pub mod upper_envelope;
 pub mod wire_model;

@@ -22,7 +22,8 @@
 //! * Elements meet on points. With [`Joints::Free`] they may also meet beside a point, within the tolerance
 //!   of it. They do so only if the chain then has fewer elements or fewer kinks.
 //! * With [`Method::Optimal`] and [`Continuity::Position`], no chain whose elements meet on points has fewer
-//!   elements than the result. There are three exceptions: the input has more than [`WINDOW`] points, the
+//!   elements than the result, if its arcs are no larger than the largest radius
+//!   ([`Fit::largest_radius_mm`]). There are three exceptions: the input has more than [`WINDOW`] points, the
 //!   search was given up ([`Fit::effort`]), or the search missed an arc that would fit, because it tries only
 //!   some of the arcs between two points.
 //! * Two points make a line. If the last point equals the first ([`Fit::is_closed`]), one full circle is
@@ -66,9 +67,10 @@ pub use space::{FitError, FittedCurve, fit_in_space};
 /// limit, because a line would make a kink. Biarcs do not keep it either.
 pub const FLATTEST_MM: f64 = 1e-3;
 
-/// The largest radius of an arc, mm. Controls refuse larger radii, or run them badly. Smooth chains and
-/// biarcs do not keep this limit.
-pub const LARGEST_RADIUS_MM: f64 = 1e4;
+/// The largest radius of an arc, mm: a kilometre, which is also the largest coordinate. Distances from the
+/// centre are rounded by 1e-10 mm at this radius; at a much larger radius, rounding would show in the
+/// deviations. Smooth chains and biarcs do not keep this limit.
+pub const LARGEST_RADIUS_MM: f64 = 1e6;
 
 /// Points fitted at once. Longer inputs are fitted window by window: the elements that end in the first three
 /// quarters of a window are kept, and the next window begins where they end.
@@ -200,6 +202,9 @@ pub struct Fit {
     pub measure: Measure,
     /// The last point equals the first, so that one full circle may replace all points.
     pub is_closed: bool,
+    /// The largest radius of an arc, mm; at most [`LARGEST_RADIUS_MM`] counts. A control may run smaller arcs
+    /// only. Smooth chains and biarcs do not keep this limit.
+    pub largest_radius_mm: f64,
     /// Evaluations for each point after which a search ends with the best chain found. With zero there is no
     /// search, and the greedy chain stays.
     pub effort: usize,
@@ -216,12 +221,18 @@ impl Fit {
             joints: Joints::default(),
             measure: Measure::default(),
             is_closed: false,
+            largest_radius_mm: LARGEST_RADIUS_MM,
             effort: EFFORT,
         }
     }
 
     fn rule(&self) -> Rule {
-        Rule { tolerance_mm: self.tolerance_mm, shapes: self.shapes, measure: self.measure }
+        Rule {
+            tolerance_mm: self.tolerance_mm,
+            shapes: self.shapes,
+            measure: self.measure,
+            largest_radius_mm: self.largest_radius_mm.min(LARGEST_RADIUS_MM),
+        }
     }
 }
 
@@ -397,7 +408,7 @@ fn for_bounds(most: usize, n: usize) -> usize {
 }
 
 fn full_turn(flat: &[Vector2<f64>], rule: &Rule) -> Option<Fitted> {
-    let turn = full_circle::full_turn(flat, rule)?;
+    let turn = full_circle::full_turn(flat, rule).filter(|turn| turn.radius <= rule.largest_radius_mm)?;
     let start = turn.center + (flat[0] - turn.center).normalize() * turn.radius;
     let shape = Shape::FullCircle { at: start.into(), center: turn.center.into(), is_ccw: turn.is_ccw };
     Some(Fitted { start, elements: vec![Element { end: flat.len() - 1, shape }] })

@@ -8,7 +8,7 @@ use std::collections::BinaryHeap;
 #[derive(Debug)]
 pub struct BestFirst<T> {
     heap: BinaryHeap<Entry>,
-    items: Vec<T>,
+    items: Vec<Option<T>>,
     /// Indices in `items` whose items were taken.
     free: Vec<usize>,
 }
@@ -25,15 +25,15 @@ impl<T> Default for BestFirst<T> {
     }
 }
 
-impl<T: Copy> BestFirst<T> {
+impl<T> BestFirst<T> {
     pub fn push(&mut self, bound: f64, item: T) {
         let place = match self.free.pop() {
             Some(place) => {
-                self.items[place] = item;
+                self.items[place] = Some(item);
                 place
             }
             None => {
-                self.items.push(item);
+                self.items.push(Some(item));
                 self.items.len() - 1
             }
         };
@@ -44,7 +44,7 @@ impl<T: Copy> BestFirst<T> {
     pub fn pop(&mut self) -> Option<(f64, T)> {
         let Entry { bound, place } = self.heap.pop()?;
         self.free.push(place);
-        Some((bound, self.items[place]))
+        self.items[place].take().map(|item| (bound, item))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Proves how far an element (a line, an arc or a parabola) deviates from a curve, over a range of the
 //! curve's parameter. The caller gives the band: the largest deviations that are allowed to the left and to
-//! the right of the curve.
+//! the right of the curve. They are numbers ([`Band`]), or change along the curve ([`Sides`]).
 //!
 //! # Method
 //! 1. At some parameters, the signed distance of the curve from the element is computed (`gauge`). Each
@@ -85,6 +85,32 @@ pub struct Band {
     pub measure: Measure,
 }
 
+/// The widths of a band on both sides of a curve, which may change along the curve. A width belongs to the
+/// point of the curve from which the deviation is measured.
+pub trait Sides: Sync {
+    fn measure(&self) -> Measure;
+
+    /// Lower bounds of the widths below and above between two parameters, mm; zero or more.
+    fn least(&self, range: [f64; 2]) -> [f64; 2];
+
+    /// Upper bounds of the widths below and above at a parameter, mm.
+    fn most(&self, t: f64) -> [f64; 2];
+}
+
+impl Sides for Band {
+    fn measure(&self) -> Measure {
+        self.measure
+    }
+
+    fn least(&self, _: [f64; 2]) -> [f64; 2] {
+        [self.below_mm, self.above_mm]
+    }
+
+    fn most(&self, _: f64) -> [f64; 2] {
+        [self.below_mm, self.above_mm]
+    }
+}
+
 /// The signed deviations of an element from its curve, mm: positive where the element lies to the left of the
 /// curve, or above. The two numbers contain every deviation. They exceed the largest reading by at most a
 /// quarter plus 2.5e-7 mm.
@@ -133,41 +159,48 @@ pub fn judge(
     element: &Element,
     [from, to]: [f64; 2],
     ends: Ends,
-    band: &Band,
+    band: &impl Sides,
 ) -> Verdict {
-    let limits = Limits::of(band, element);
-    match band.measure {
+    let limits = Limits { band, guard: GUARD_MM + GUARD_PART * element.magnitude() };
+    match band.measure() {
         Measure::Normal => search(&Normal { curve, element, from, to, ends }, curve, [from, to], limits),
         Measure::Vertical => search(&Vertical { curve, element }, curve, [from, to], limits),
     }
 }
 
-/// The least and the largest signed distance that a point of the curve may have from the element, mm.
-#[derive(Clone, Copy)]
-struct Limits {
-    least: f64,
-    most: f64,
+/// The signed distances that a point of the curve may have from the element.
+struct Limits<'a, B> {
+    band: &'a B,
+    /// The rounding by which both sides are widened, mm.
+    guard: f64,
 }
 
-impl Limits {
-    /// Where the element lies to the left of the curve, the curve lies to the right of the element: the sides
-    /// change.
-    fn of(band: &Band, element: &Element) -> Self {
-        let guard = GUARD_MM + GUARD_PART * element.magnitude();
-        Self { least: -(band.above_mm + guard), most: band.below_mm + guard }
+impl<B: Sides> Limits<'_, B> {
+    /// The least and the largest signed distance, mm. Where the element lies to the left of the curve, the
+    /// curve lies to the right of the element: the sides change.
+    fn signed(&self, [below, above]: [f64; 2]) -> [f64; 2] {
+        [-(above + self.guard), below + self.guard]
     }
 
-    fn hold(&self, distance: Interval) -> bool {
-        self.least <= distance.lo() && distance.hi() <= self.most
+    /// Whether all distances between two readings are allowed.
+    fn hold(&self, distance: Interval, [a, b]: [&Reading; 2]) -> bool {
+        let [least, most] = self.signed(self.band.least([a.t, b.t]));
+        least <= distance.lo() && distance.hi() <= most
     }
 
+    /// Whether the distance of a reading is certainly not allowed.
     fn exclude(&self, reading: &Reading) -> bool {
-        let distance = reading.distance;
-        distance.lo() > self.most || distance.hi() < self.least || reading.away > self.most.max(-self.least)
+        let ([least, most], distance) = (self.signed(self.band.most(reading.t)), reading.distance);
+        distance.lo() > most || distance.hi() < least || reading.away > most.max(-least)
     }
 }
 
-fn search(gauge: &impl Gauge, curve: &impl PlaneCurve, [from, to]: [f64; 2], limits: Limits) -> Verdict {
+fn search<B: Sides>(
+    gauge: &impl Gauge,
+    curve: &impl PlaneCurve,
+    [from, to]: [f64; 2],
+    limits: Limits<B>,
+) -> Verdict {
     let breaks = curve.breaks();
     let first = breaks.partition_point(|t| *t <= from);
     let last = breaks.partition_point(|t| *t < to).max(first);
@@ -201,8 +234,8 @@ fn search(gauge: &impl Gauge, curve: &impl PlaneCurve, [from, to]: [f64; 2], lim
     Verdict::Within(Spread { least_mm: -search.proved.hi(), most_mm: -search.proved.lo() })
 }
 
-struct Search<'a> {
-    limits: Limits,
+struct Search<'a, B> {
+    limits: Limits<'a, B>,
     /// The largest distance read so far, mm.
     found: f64,
     /// Encloses the distances over the cells that are finished.
@@ -217,7 +250,7 @@ struct Search<'a> {
     is_spent: &'a dyn Fn() -> bool,
 }
 
-impl Search<'_> {
+impl<B: Sides> Search<'_, B> {
     /// Examines a range without breaks. Returns a verdict if it ends the search.
     fn piece(&mut self, gauge: &impl Gauge, before: Reading, after: Reading) -> Option<Verdict> {
         for reading in [before, after] {
@@ -231,7 +264,7 @@ impl Search<'_> {
             while let Some([a, b]) = self.open.pop() {
                 let bound = bound(gauge, &a, &b);
                 let allowed = (1.0 + LOOSE_PART) * self.found + LOOSE_MM;
-                if self.limits.hold(bound) && bound.mag() <= allowed {
+                if self.limits.hold(bound, [&a, &b]) && bound.mag() <= allowed {
                     self.proved = self.proved.hull(bound);
                 } else if let Err(verdict) = self.halve(gauge, a, b) {
                     return Some(verdict);

@@ -61,13 +61,61 @@ const FOOT_STEPS: usize = 6;
 /// curve turns by more than half a turn between two neighbouring points: the points do not justify such a
 /// turn.
 pub fn from_points(curve: &Curve, points: &[Point3<f64>]) -> f64 {
+    let given = points;
     let Some(track) = FramedCurve::new(curve) else { return f64::INFINITY };
     let points: Vec<Vector3<f64>> = points.iter().map(|p| track.local(p)).collect();
     let places = track.places(&points);
-    let ends = std::iter::once(0.0).chain(places.iter().copied()).chain([1.0]);
-    let steps = ends.clone().zip(ends.skip(1));
-    let is_half_a_turn = |(from, to): (f64, f64)| track.turn() * (to - from) <= HALF_A_TURN;
-    if steps.into_iter().all(is_half_a_turn) { track.largest(&points, &places) } else { f64::INFINITY }
+    let justified = |places: &[f64]| {
+        let ends = std::iter::once(0.0).chain(places.iter().copied()).chain([1.0]);
+        let mut steps = ends.clone().zip(ends.skip(1));
+        let is_half_a_turn = |(from, to): (f64, f64)| track.turn() * (to - from) <= HALF_A_TURN;
+        if steps.all(is_half_a_turn) { track.largest(&points, places) } else { f64::INFINITY }
+    };
+    let found = justified(&places);
+    if found.is_finite() {
+        return found;
+    }
+    // These places are the first ones of each point, so that the last step may be too long. The last places
+    // of each point are the first ones of the way back. Places half way between both make shorter steps.
+    let back = reversed(curve).map_or(Vec::new(), |back| {
+        FramedCurve::new(&back).map_or(Vec::new(), |track| {
+            let points: Vec<Vector3<f64>> = given.iter().rev().map(|p| track.local(p)).collect();
+            track.places(&points)
+        })
+    });
+    let last: Vec<f64> = back.iter().rev().map(|place| 1.0 - place).collect();
+    let between: Vec<f64> = places.iter().zip(&last).map(|(a, b)| 0.5 * (a + b)).collect();
+    if between.len() < places.len() { f64::INFINITY } else { justified(&last).min(justified(&between)) }
+}
+
+/// The arc in the other sense; `None` for other curves, which turn by nothing.
+fn reversed(curve: &Curve) -> Option<Curve> {
+    let Curve::Arc(arc) = curve else { return None };
+    let direction = match arc.direction() {
+        Direction::Ccw => Direction::Cw,
+        Direction::Cw => Direction::Ccw,
+    };
+    let [_, _, normal] = arc.plane().axes();
+    let mut center = arc.center();
+    center[normal] = arc.end()[normal];
+    Arc::new(arc.plane(), direction, arc.end(), arc.start(), center).ok().map(Curve::Arc)
+}
+
+/// Whether the places of the curve nearest to the points follow each other along it in the order of the
+/// points, without a turn of more than half a turn between two of them. `false` for a parabola whose points
+/// do not advance along its chord.
+pub fn is_in_order(curve: &Curve, points: &[Point3<f64>]) -> bool {
+    let Some(track) = FramedCurve::new(curve) else {
+        let along = curve.end() - curve.start();
+        return points.iter().map(|p| along.dot(&p.coords)).is_sorted();
+    };
+    let feet = points.iter().map(|p| track.foot(&track.local(p)));
+    let mut before = 0.0;
+    feet.into_iter().all(|foot| {
+        let is_next = before <= foot && track.turn() * (foot - before) <= HALF_A_TURN;
+        before = foot;
+        is_next
+    })
 }
 
 /// Upper bound of the distance within which the curve, from its start to its end, and the lines between the

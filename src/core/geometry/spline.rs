@@ -24,6 +24,9 @@ pub enum EndCondition<const D: usize> {
     Clamped(SVector<f64, D>, SVector<f64, D>),
     /// The first derivative is that of the parabola through the three values nearest the end.
     Bessel,
+    /// The last value is the first, and the first and second derivatives are the same at both. With fewer
+    /// than four values: as not-a-knot.
+    Periodic,
 }
 
 /// The first derivatives of the spline through at least two `values`, at these values. The parameter grows by
@@ -44,6 +47,8 @@ pub fn derivatives_over<const D: usize>(
 ) -> Vec<SVector<f64, D>> {
     let n = values.len();
     let last = n - 1;
+    let ends =
+        if n < LEAST_PERIODIC && ends == EndCondition::Periodic { EndCondition::NotAKnot } else { ends };
     let slope = |i: usize| (values[i + 1] - values[i]) / steps[i];
     if n == 2 && matches!(ends, EndCondition::NotAKnot | EndCondition::Bessel) {
         return vec![slope(0); 2];
@@ -54,6 +59,9 @@ pub fn derivatives_over<const D: usize>(
     if n == 3 && matches!(ends, EndCondition::NotAKnot) {
         let middle = (slope(0) * steps[1] + slope(1) * steps[0]) / (steps[0] + steps[1]);
         return vec![first_bessel(), middle, last_bessel()];
+    }
+    if ends == EndCondition::Periodic {
+        return periodic(steps, &(0..last).map(slope).collect::<Vec<_>>());
     }
     let mut rows = Vec::with_capacity(n);
     let mut right = Vec::with_capacity(n);
@@ -68,7 +76,7 @@ pub fn derivatives_over<const D: usize>(
             push([0.0, b, a + b], not_a_knot([a, b], [p, q]));
         }
         EndCondition::Clamped(first, _) => push([0.0, 1.0, 0.0], first),
-        EndCondition::Bessel => push([0.0, 1.0, 0.0], first_bessel()),
+        EndCondition::Bessel | EndCondition::Periodic => push([0.0, 1.0, 0.0], first_bessel()),
     }
     for i in 1..last {
         let (a, b) = (steps[i - 1], steps[i]);
@@ -81,9 +89,42 @@ pub fn derivatives_over<const D: usize>(
             push([a + b, b, 0.0], not_a_knot([a, b], [slope(last - 1), slope(last - 2)]));
         }
         EndCondition::Clamped(_, end) => push([0.0, 1.0, 0.0], end),
-        EndCondition::Bessel => push([0.0, 1.0, 0.0], last_bessel()),
+        EndCondition::Bessel | EndCondition::Periodic => push([0.0, 1.0, 0.0], last_bessel()),
     }
     solve(&mut rows, &mut right);
+    right
+}
+
+/// The derivatives of the periodic spline with the slopes `slopes` over the steps.
+///
+/// Each value, the first too, has the row of an inner value. The two entries that lie outside the three
+/// diagonals are a product of two vectors; so two systems without them give the solution (Sherman and
+/// Morrison).
+fn periodic<const D: usize>(steps: &[f64], slopes: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+    let n = steps.len();
+    let around = |i: usize| ((i + n - 1) % n, i);
+    let mut rows = Vec::with_capacity(n);
+    let mut right = Vec::with_capacity(n);
+    for i in 0..n {
+        let (before, after) = around(i);
+        let (a, b) = (steps[before], steps[after]);
+        rows.push(Row { below: b, diagonal: 2.0 * (a + b), above: a });
+        right.push((slopes[before] * b + slopes[after] * a) * 3.0);
+    }
+    // The entries in the corners: of the last value in the first row, and of the first value in the last row.
+    let (first, last) = (rows[0].below, rows[n - 1].above);
+    let shift = -rows[0].diagonal;
+    rows[0].diagonal -= shift;
+    rows[n - 1].diagonal -= first * last / shift;
+    let mut corner = vec![SVector::<f64, 1>::zeros(); n];
+    corner[0][0] = shift;
+    corner[n - 1][0] = last;
+    solve(&mut rows.clone(), &mut corner);
+    solve(&mut rows, &mut right);
+    let part =
+        (right[0] + right[n - 1] * (first / shift)) / (1.0 + corner[0][0] + corner[n - 1][0] * first / shift);
+    right.iter_mut().zip(&corner).for_each(|(m, z)| *m -= part * z[0]);
+    right.push(right[0]);
     right
 }
 
@@ -99,7 +140,11 @@ fn not_a_knot<const D: usize>([a, b]: [f64; 2], [p, q]: [SVector<f64, D>; 2]) ->
     (p * (b * (3.0 * a + 2.0 * b)) + q * (a * a)) / (a + b)
 }
 
+/// Fewest values of a periodic spline, the first counted twice. Two different values make no curve.
+const LEAST_PERIODIC: usize = 4;
+
 /// One row of the system: below m[i - 1] + diagonal m[i] + above m[i + 1].
+#[derive(Clone)]
 struct Row {
     below: f64,
     diagonal: f64,
@@ -180,6 +225,35 @@ mod tests {
         let (t, steps, values) = uneven(6, |t| t * t);
         let m = derivatives_over(&steps, &values, EndCondition::Bessel);
         assert!((0..6).all(|i| (m[i].x - 2.0 * t[i]).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_periodic_spline_has_two_derivatives_across_its_seam() {
+        for n in [4, 5, 9, 30] {
+            let (t, steps, mut values) = uneven(n, |t| t);
+            let around = std::f64::consts::TAU / (t[n - 1] - t[0]);
+            values.iter_mut().zip(&t).for_each(|(v, place)| {
+                let angle = around * (place - t[0]);
+                *v = Vector3::new(angle.cos(), angle.sin(), 0.0);
+            });
+            values[n - 1] = values[0];
+            let m = derivatives_over(&steps, &values, EndCondition::Periodic);
+            assert_eq!(m.len(), n);
+            let second = |i: usize, at_end: bool| {
+                let h = steps[i];
+                let rise = (values[i + 1] - values[i]) * (6.0 / (h * h));
+                let (one, two) = if at_end { (2.0, 4.0) } else { (4.0, 2.0) };
+                let sum = (m[i] * one + m[i + 1] * two) / h;
+                if at_end { sum - rise } else { rise - sum }
+            };
+            for i in 0..n - 1 {
+                let before = (i + n - 2) % (n - 1);
+                assert!((second(before, true) - second(i, false)).norm() < 1e-11, "n {n} i {i}");
+            }
+            assert_eq!(m[0], m[n - 1]);
+        }
+        let m = derivatives(&sampled(3, |t| t * (2.0 - t)), EndCondition::Periodic);
+        assert!((m[1].x).abs() < 1e-14);
     }
 
     #[test]

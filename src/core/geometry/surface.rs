@@ -18,6 +18,7 @@ pub mod patch;
 pub mod point_grid;
 pub mod ruled;
 pub mod source;
+pub mod topology;
 pub mod vector_ball;
 
 mod hermite;

@@ -8,6 +8,7 @@
 //! | `l(x,y)`, `l(x,y,z)` | a point; straight lines join it to the items before and after it |
 //! | `r(x,y,R)`, `r(x,y,z,R)` | a corner, rounded by an arc of radius R between its two lines; R = 0: sharp |
 //! | `b((x,y),(x,y),...)`, `b((x,y,z),...)` | a smooth curve through the points |
+//! | `b(x,y), (x,y), ...`, `b(x,y,z), ...` | the same, as the paper prints it |
 //!
 //! # Method
 //! 1. `grammar` turns the text into items.
@@ -26,8 +27,8 @@
 //! O(n) in the length of the text.
 //!
 //! # Differences from the paper
-//! The paper prints neither the parameters nor the end conditions of the smooth curve. It writes
-//! `b(x1,y1),(x2,y2)`, without outer parentheses.
+//! The paper prints neither the parameters nor the end conditions of the smooth curve. Beside its
+//! `b(x1,y1), (x2,y2)`, outer parentheses are allowed.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining

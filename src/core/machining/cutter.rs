@@ -151,8 +151,9 @@ impl Cutter {
         if out <= 0.0 { 0.0 } else { out / self.depth(out) }
     }
 
-    /// The second derivative of the height away from the axis, 1/mm; it grows with the distance.
-    fn bend(&self, distance: f64) -> f64 {
+    /// The second derivative of the height away from the axis, 1/mm; it grows with the distance. No second
+    /// derivative of the height in plan is larger.
+    pub(super) fn bend(&self, distance: f64) -> f64 {
         let out = distance - self.flat;
         if out < 0.0 || (out == 0.0 && self.flat > 0.0) {
             0.0

@@ -21,6 +21,7 @@
 
 mod axis_above_surface;
 mod chord_proof;
+mod crossing;
 mod drop;
 mod edge_contacts;
 mod lift_bound;
@@ -36,6 +37,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 use super::cutter::Cutter;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::patch::{Bounds, Patch};
+use crate::geometry::surface::topology::Topology;
 use crate::geometry::surface::{BezierSurface, Surface, span_of};
 use drop::{Best, Drop};
 use lift_bound::AxisMove;
@@ -52,13 +54,6 @@ const GRAZING: f64 = 1e-12;
 
 /// The length scale of a surface, as a share of its diagonal in plan.
 const SCALE_SHARE: f64 = 0.1;
-
-/// Largest distance between two points that count as the same, mm. A side whose points are all the same is a
-/// point. Two opposite sides with the same points close the surface. Neither kind of side is an edge.
-const CLOSED_MM: f64 = 1e-7;
-
-/// Number of intervals of a side between the points that are compared.
-const SIDE_SAMPLES: usize = 8;
 
 /// Largest number of parts halved for one drop. At this limit the drop returns the bound it has, as a larger
 /// gap.
@@ -104,10 +99,8 @@ pub struct Contacts<'a, P> {
     surface: &'a BezierSurface<P>,
     cutter: Cutter,
     tree: Tree<P>,
-    /// Bounds of the second derivatives over each patch, mm: by u twice, by u and v, by v twice.
-    bends: Vec<[f64; 3]>,
-    /// Whether the sides u = 0, u = nu, v = 0, v = nv are edges of the surface.
-    edges: [bool; 4],
+    /// Which sides of the surface are edges, seams or poles.
+    topology: Topology,
     /// Parts of this size or smaller are not halved, mm.
     smallest: f64,
     /// The length scale, mm: the cutter's radius, or `SCALE_SHARE` of the surface's diagonal in plan if that
@@ -140,19 +133,15 @@ const LEVEL_SLOPE: f64 = 1e-6;
 /// Accuracy to which [`Contacts::drop`] proves the height of a tip, mm.
 const ACCURACY_MM: f64 = 1e-9;
 
-/// Depth to which a patch is halved for bounds of its second derivatives.
-const BEND_HALVINGS: u32 = 6;
-
 impl<'a, P: Patch> Contacts<'a, P> {
     /// # Errors
     /// Only the budget's stop.
     pub fn new(surface: &'a BezierSurface<P>, cutter: Cutter, budget: &Budget) -> Result<Self, Stopped> {
         let tree = Tree::new(surface, cutter.radius(), budget)?;
-        let bends = surface.patches().iter().map(|patch| chord_proof::bends(patch, BEND_HALVINGS)).collect();
         let smallest = SMALLEST_PART * (tree.bounds().magnitude() + cutter.radius());
         let size = (tree.bounds().max - tree.bounds().min).xy().norm();
         let scale = cutter.radius().min(SCALE_SHARE * size);
-        Ok(Self { surface, cutter, tree, bends, edges: edges(surface), smallest, scale })
+        Ok(Self { surface, cutter, tree, topology: Topology::of(surface), smallest, scale })
     }
 
     /// A box of the surface, mm.
@@ -309,7 +298,7 @@ impl<P: Patch> Contacts<'_, P> {
         };
         let (du, dv) = (&best.jet.du, &best.jet.dv);
         let on = [is_on(u, du), is_on(nu - u, du), is_on(v, dv), is_on(nv - v, dv)];
-        if !on.iter().zip(&self.edges).any(|(on, edge)| *on && *edge) {
+        if !on.iter().zip(self.topology.edges()).any(|(on, edge)| *on && edge) {
             return false;
         }
         let cutter = Vector3::new(-best.lower.gradient.x, -best.lower.gradient.y, 1.0).normalize();
@@ -331,28 +320,6 @@ fn patches_at([u, v]: [f64; 2], [nu, nv]: [usize; 2]) -> impl Iterator<Item = [u
         [if span as f64 == t { span.saturating_sub(1) } else { span }, span]
     };
     at(u, nu).into_iter().flat_map(move |i| at(v, nv).map(|j| [i, j]))
-}
-
-/// Which sides of a surface are edges: a side is none if it is a point or coincides with the opposite side.
-fn edges(surface: &BezierSurface<impl Patch>) -> [bool; 4] {
-    let [nu, nv] = surface.spans().map(|n| n as f64);
-    let points = |place: &dyn Fn(f64) -> [f64; 2]| -> Vec<Point3<f64>> {
-        let point = |k: usize| {
-            let [u, v] = place(k as f64 / SIDE_SAMPLES as f64);
-            surface.jet(u, v).point
-        };
-        (0..=SIDE_SAMPLES).map(point).collect()
-    };
-    let sides = [
-        points(&|t| [0.0, t * nv]),
-        points(&|t| [nu, t * nv]),
-        points(&|t| [t * nu, 0.0]),
-        points(&|t| [t * nu, nv]),
-    ];
-    let is_point = |side: &[Point3<f64>]| side.iter().all(|p| (p - side[0]).norm() < CLOSED_MM);
-    let is_same =
-        |a: &[Point3<f64>], b: &[Point3<f64>]| a.iter().zip(b).all(|(p, q)| (p - q).norm() < CLOSED_MM);
-    std::array::from_fn(|k| !is_point(&sides[k]) && !is_same(&sides[k], &sides[k ^ 1]))
 }
 
 #[cfg(test)]

@@ -33,9 +33,9 @@
 
 mod ball;
 mod part;
-mod piece;
+pub(super) mod piece;
 mod planes;
-mod solid;
+pub(super) mod solid;
 
 use nalgebra::{Point3, Vector3};
 

@@ -7,6 +7,8 @@
 //!    move the new point onto the section by Newton's method.
 //! 3. End the section where it reaches the boundary again. Trace the next section from a point of step 1 at
 //!    which no section starts or ends yet, until there is no such point.
+//! 4. Sides at which the surface is closed belong to the boundary in steps 1 to 3. Afterwards, join the
+//!    sections that end there to those that go on at the opposite side (`seams`).
 //!
 //! # Guarantees
 //! * The caller must have proved that the offset has no fold and the surface no overhang
@@ -14,8 +16,8 @@
 //! * Every point lies on the section to within rounding. Between two neighbouring points, the section leaves
 //!   their chord by at most 1.01 times the chord height asked for.
 //!
-//! The plane must cross the boundary wherever it meets it. A plane that only touches the boundary, or that
-//! contains a part of it, is not supported.
+//! The plane must cross the edges of the surface wherever it meets them. A plane that only touches an edge,
+//! or that contains a part of it, is not supported. A plane may contain a seam.
 //!
 //! # Cost
 //! O(s + n) for n points of a section and s stretches of the boundary.
@@ -24,6 +26,7 @@
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", section 3, eq. 2 and 3.
 
 mod boundary;
+mod seams;
 
 use nalgebra::{Point3, Vector3};
 
@@ -32,6 +35,7 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::offset::{OffsetJet, offset};
 use crate::geometry::surface::{Surface, span_of};
 use boundary::{Boundary, BoundaryPoint};
+use seams::{Seams, Traced};
 
 /// How far inside the extent of the offset its outermost sections are traced, mm. On the extent the plane
 /// would touch the boundary, or contain a part of it. The inset is large enough for a plane along a straight
@@ -124,6 +128,7 @@ pub struct Sections<'a> {
     axis: usize,
     regularity: &'a Regularity,
     boundary: Boundary,
+    seams: Seams,
 }
 
 /// A place on the offset surface with its parameters.
@@ -153,7 +158,8 @@ impl<'a> Sections<'a> {
         budget: &Budget,
     ) -> Result<Self, Stopped> {
         let boundary = Boundary::new(surface, radius, axis, budget)?;
-        Ok(Self { surface, radius, axis, regularity, boundary })
+        let seams = Seams::of(surface, radius);
+        Ok(Self { surface, radius, axis, regularity, boundary, seams })
     }
 
     /// The least and the largest coordinate of the offset along the axis, mm. They lie on the boundary, since
@@ -173,22 +179,31 @@ impl<'a> Sections<'a> {
         spacing: Spacing,
         budget: &Budget,
     ) -> Result<Vec<Chain>, SectionError> {
+        if self.seams.is_none() {
+            let traced = self.traced(plane, spacing, budget)?;
+            return Ok(traced.into_iter().map(|traced| traced.chain).collect());
+        }
+        self.across_seams(plane, spacing, budget)
+    }
+
+    /// The sections with `plane`, from boundary to boundary.
+    fn traced(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Traced>, SectionError> {
         let starts = self.boundary.crossings(self.surface, plane.traced_at).into_iter();
         let mut open: Vec<Crossing> = starts.filter_map(|boundary| self.crossing(boundary)).collect();
-        let mut chains = Vec::new();
+        let mut all = Vec::new();
         while let Some(start) = open.pop() {
             budget.check()?;
-            if let Some((chain, reached)) = self.trace(&start, &open, plane, spacing, budget)? {
+            if let Some((traced, reached)) = self.trace(&start, &open, plane, spacing, budget)? {
                 if let Some(k) = reached {
                     open.remove(k);
                 }
-                chains.push(chain);
+                all.push(traced);
             }
         }
-        Ok(chains)
+        Ok(all)
     }
 
-    /// Follows the section from `start`. Returns the chain, and the index in `open` of the crossing it
+    /// Follows the section from `start`. Returns the section, and the index in `open` of the crossing it
     /// reached, if it reached one of them. `None` when the section does not enter the surface at `start`.
     fn trace(
         &self,
@@ -197,11 +212,12 @@ impl<'a> Sections<'a> {
         plane: PlaneAt,
         mut spacing: Spacing,
         budget: &Budget,
-    ) -> Result<Option<(Chain, Option<usize>)>, SectionError> {
+    ) -> Result<Option<(Traced, Option<usize>)>, SectionError> {
         let mut here = start.place;
         let Some(sense) = self.inward_sense(&start.boundary, &here) else { return Ok(None) };
         let at = plane.traced_at;
         let mut chain = Chain { points: vec![self.on_plane(&here, plane)], chord_height_mm: 0.0 };
+        let ends = |end: Option<BoundaryPoint>| [Some(start.boundary), end];
         loop {
             if chain.points.len() >= POINT_LIMIT {
                 return Err(SectionError::TooManyPoints { limit: POINT_LIMIT });
@@ -213,19 +229,19 @@ impl<'a> Sections<'a> {
             let reached = crossing_on_step(&here, &next, open, spacing);
             if let Some(k) = reached {
                 chain.points.push(self.on_plane(&open[k].place, plane));
-                return Ok(Some((chain, reached)));
+                return Ok(Some((Traced { chain, ends: ends(Some(open[k].boundary)) }, reached)));
             }
             if !self.is_inside(next.u, next.v) {
                 let (from, to) = ((here.u, here.v), (next.u, next.v));
                 let missed = self.boundary.crossing_between(self.surface, at, from, to);
                 if let Some(end) = missed.and_then(|boundary| self.crossing(boundary)) {
                     chain.points.push(self.on_plane(&end.place, plane));
-                    return Ok(Some((chain, None)));
+                    return Ok(Some((Traced { chain, ends: ends(Some(end.boundary)) }, None)));
                 }
                 // A shorter step crosses the boundary nearer to the place where the section does.
                 spacing.step_length_mm = 0.5 * (next.jet.point - here.jet.point).norm();
                 if spacing.step_length_mm < SHORTEST_STEP_MM {
-                    return Ok(Some((chain, None)));
+                    return Ok(Some((Traced { chain, ends: ends(None) }, None)));
                 }
                 continue;
             }
@@ -366,7 +382,13 @@ fn crossing_on_step(
         let to = crossing.place.jet.point - here.jet.point;
         let along = to.dot(&step) / length;
         let is_near = to.norm_squared() - along * along <= aside * aside;
-        (is_near && along >= 0.0 && along <= length).then_some((along, k))
+        // Both names of a point on a seam are at one place. The section reaches the name that is near in
+        // parameters.
+        let expected =
+            [here.u + (next.u - here.u) * along / length, here.v + (next.v - here.v) * along / length];
+        let is_own_name =
+            (crossing.place.u - expected[0]).abs().max((crossing.place.v - expected[1]).abs()) < 0.5;
+        (is_near && is_own_name && along >= 0.0 && along <= length).then_some((along, k))
     });
     passed.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, k)| k)
 }

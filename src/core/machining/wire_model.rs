@@ -8,12 +8,13 @@
 //! * Wires along u are curves of constant v, and wires along v are curves of constant u. The distance of two
 //!   neighbouring wires is measured along three curves that cross all wires: two sides of the surface, and
 //!   the curve halfway between them in u or v. The largest of these three distances is at most the pitch.
-//! * Wires along x or y are sections of the surface with planes at equal distances ([`Sections`]). For these
-//!   wires, the surface must not overhang.
+//! * Wires along x or y are sections of the surface with planes at equal distances (`in_planes`). The surface
+//!   may have edges, walls and overhangs.
 //!
 //! # Guarantees
-//! A wire leaves the chords between its points by at most the chord height asked for. A model with too many
-//! wires or points is refused.
+//! * A wire leaves the chords between its points by at most the chord height asked for.
+//! * A wire has a point on each edge of the surface that it crosses.
+//! * A model with too many wires or points is refused.
 //!
 //! # Cost
 //! O(n) for n points of wires.
@@ -22,10 +23,13 @@
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
 //! of Sculptured Surface of Die", 1989, section 3.3.
 
+mod chain;
+mod in_planes;
+mod part;
+mod section;
+
 use nalgebra::Point3;
 
-use super::offset_section::{Chain, INSET_MM, INSET_PART, PlaneAt, SectionError, Sections, Spacing};
-use super::regularity::{self, Irregular};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::spacing::spaces;
 use crate::geometry::surface::{BezierSurface, Patch, Surface, span_of};
@@ -85,15 +89,11 @@ pub enum WireError {
         "the wire model needs more than {limit} points, the most that are allowed; use a larger pitch or chord height"
     )]
     TooManyPoints { limit: usize },
-    #[error(
-        "the surface is vertical, overhangs or has no normal near {at}; wires along x or y need a surface without overhangs; use wires along u or v"
-    )]
-    Overhang { at: Point3<f64> },
     #[error("the plane section of the surface could not be traced near {at}; use wires along u or v")]
     SectionLost { at: Point3<f64> },
 }
 
-/// The wires of `surface`. For wires along x or y, its normal must point up at its first corner.
+/// The wires of `surface`.
 ///
 /// # Errors
 /// One of [`WireError`].
@@ -127,8 +127,8 @@ pub fn wires(
     match job.along {
         Along::U => along_u(surface, job, budget),
         Along::V => along_u(&surface.transposed(), job, budget),
-        Along::X => sections(surface, 1, job, budget),
-        Along::Y => sections(surface, 0, job, budget),
+        Along::X => in_planes::wires(surface, 1, job, budget),
+        Along::Y => in_planes::wires(surface, 0, job, budget),
     }
 }
 
@@ -246,40 +246,6 @@ fn wire_along_u(
     Ok(wire)
 }
 
-/// Plane sections at right angles to `axis` (0 is x, 1 is y), from side to side of the surface.
-fn sections(
-    surface: &BezierSurface<impl Patch>,
-    axis: usize,
-    job: &WireJob,
-    budget: &Budget,
-) -> Result<Vec<Wire>, WireError> {
-    let regularity = regularity::prove(surface, 0.0, axis, budget)?;
-    let sections = Sections::new(surface, 0.0, axis, &regularity, budget)?;
-    let [low, high] = sections.extent();
-    let width = high - low;
-    let n = count(width, job)?;
-    let inset = INSET_MM.min(INSET_PART * width);
-    let spacing = Spacing { chord_height_mm: job.chord_height_mm, step_length_mm: f64::INFINITY };
-    let mut wires = Vec::new();
-    let mut points = 0;
-    for k in 0..=n {
-        let at = low + width * (k as f64 / n as f64);
-        let plane = PlaneAt { at, traced_at: at.clamp(low + inset, high - inset) };
-        for Chain { points: mut wire, .. } in sections.chains(plane, spacing, budget)? {
-            // All wires run in the direction of the growing coordinate.
-            if wire[0][1 - axis] > wire[wire.len() - 1][1 - axis] {
-                wire.reverse();
-            }
-            points += wire.len();
-            if points > job.point_limit {
-                return Err(WireError::TooManyPoints { limit: job.point_limit });
-            }
-            wires.push(wire);
-        }
-    }
-    Ok(wires)
-}
-
 /// The number of equal spaces of at most the pitch over `length` mm.
 fn count(length: f64, job: &WireJob) -> Result<usize, WireError> {
     let spaces = spaces(length, job.pitch_mm);
@@ -307,26 +273,6 @@ pub fn sketch(surface: &dyn Surface) -> Vec<Wire> {
     let along_u = (0..=SPACES).map(|k| wire(&|t| (at(t, CHORDS, nu), at(k, SPACES, nv))));
     let along_v = (0..=SPACES).map(|k| wire(&|t| (at(k, SPACES, nu), at(t, CHORDS, nv))));
     along_u.chain(along_v).collect()
-}
-
-impl From<Irregular> for WireError {
-    fn from(irregular: Irregular) -> Self {
-        match irregular {
-            Irregular::Stopped(stopped) => Self::Stopped(stopped),
-            // Without an offset nothing folds: the place has no tangent plane.
-            Irregular::Overhang { at } | Irregular::Folds { at } => Self::Overhang { at },
-        }
-    }
-}
-
-impl From<SectionError> for WireError {
-    fn from(error: SectionError) -> Self {
-        match error {
-            SectionError::Stopped(stopped) => Self::Stopped(stopped),
-            SectionError::Lost { at } => Self::SectionLost { at },
-            SectionError::TooManyPoints { limit } => Self::TooManyPoints { limit },
-        }
-    }
 }
 
 #[cfg(test)]
@@ -400,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_and_overhangs_are_errors() {
+    fn limits_and_surfaces_within_one_plane_are_errors() {
         let surface = quarter();
         let many = WireJob { pitch_mm: 0.01, ..job(Along::X) };
         let error = wires(&surface, &many, &Budget::unlimited()).unwrap_err();
@@ -409,7 +355,7 @@ mod tests {
             net: std::array::from_fn(|a| std::array::from_fn(|b| Vector3::new(a as f64, 0.0, b as f64))),
         });
         let error = wires(&upright, &job(Along::X), &Budget::unlimited()).unwrap_err();
-        assert!(matches!(error, WireError::Overhang { .. }), "{error}");
+        assert!(matches!(error, WireError::SectionLost { .. }), "{error}");
         assert_eq!(wires(&upright, &job(Along::U), &Budget::unlimited()).unwrap().len(), 3);
         assert_eq!(sketch(&upright).len(), 34);
     }

@@ -3,8 +3,9 @@
 //! # Method
 //! 1. Fit curves to the points of the polyline ([`arc_fit`](crate::geometry::arc_fit)). Arcs lie in the
 //!    requested plane. Without a requested plane, they lie in the plane of the points.
-//! 2. Measure the deviation of each fitted curve again, by separate code ([`following`]). If it exceeds the
-//!    tolerance, replace the curve by lines through its points. Biarcs are not replaced.
+//! 2. Measure the deviation of each fitted curve again, by separate code ([`following`]). If rounding lets it
+//!    exceed the tolerance, fit again within a slightly smaller tolerance. If it still exceeds the tolerance,
+//!    replace the curve by lines through its points. Biarcs are not replaced.
 //! 3. Make a toolpath of the curves. Round the curves to the decimals of the program, and bound the deviation
 //!    of the rounded curves as well.
 //!
@@ -13,8 +14,9 @@
 //!   measure `points`, the deviation is the distance of the points from the curves, with both taken in the
 //!   order of travel. By the measure `polyline`, it is the largest distance of a point of the curves from the
 //!   polyline, or of a point of the polyline from the curves.
-//! * The deviation is at most the tolerance, apart from the rounding of floating-point numbers. Only biarcs
-//!   may exceed the tolerance; a warning then says so.
+//! * The deviation is at most the tolerance. Only biarcs may exceed the tolerance; a warning then says so.
+//! * Arcs are no larger than those that the control runs ([`Curves::largest_radius_mm`]), apart from smooth
+//!   chains and biarcs. A warning says where the limit costs elements.
 //!
 //! # Degenerate input
 //! Points that are all the same are refused.
@@ -24,6 +26,8 @@
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5.
+
+mod large_arcs;
 
 use nalgebra::Point3;
 
@@ -45,9 +49,14 @@ const CURVES_BETWEEN_CHECKS: usize = 1024;
 /// Samples count as coarse if the lines between them lie more than this many tolerances from the curves.
 const COARSE_TOLERANCES: f64 = 2.0;
 
-/// Rounding allowed where a deviation is compared with the tolerance: a share of the tolerance, and mm.
+/// Rounding of a deviation: a share of the tolerance, and mm. A second fit keeps a tolerance smaller by this,
+/// and a warning waits for a deviation larger by this. The measured deviation is a bound whose excess is 1e-7
+/// of itself.
 const ROUNDING: f64 = 1e-6;
 const ROUNDING_MM: f64 = 1e-9;
+
+/// The largest share of the tolerance by which the second fit is closer.
+const LARGEST_ROUNDING: f64 = 0.01;
 
 /// The least angle that counts as a kink, degrees; smaller angles come from rounding.
 const KINK_DEG: f64 = 0.01;
@@ -111,6 +120,10 @@ pub enum Warning {
     RoundingExceedsTolerance { deviation_mm: f64 },
     #[error("the elements are up to {:.4} mm from the straight lines between the points", rounded_up(*deviation_mm))]
     CoarseSamples { deviation_mm: f64 },
+    #[error(
+        "the control runs arcs up to a radius of {largest_radius_mm} mm: with larger arcs, {n_joints} of the joints would not be needed"
+    )]
+    RadiusLimited { largest_radius_mm: f64, n_joints: usize },
     #[error("biarcs ignore the tolerance: the elements are up to {:.4} mm from the straight lines between the points", rounded_up(*deviation_mm))]
     ToleranceExceeded { deviation_mm: f64 },
 }
@@ -180,19 +193,30 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     let top_mm = points.iter().map(|p| p.z).fold(TOP_MM, f64::max);
     let cutting = job.cutting.map(|cutting| cutting.above(top_mm)).transpose()?;
     budget.progress("fit", 0, 1);
-    let mut pieces = fit_in_space(&points, job.plane, &job.fit, budget)?;
+    let largest_radius_mm = job.fit.largest_radius_mm.min(job.curves.largest_radius_mm);
+    let fit = Fit { largest_radius_mm, ..job.fit };
+    let mut pieces = fit_in_space(&points, job.plane, &fit, budget)?;
     budget.progress("measure", 0, 1);
     let mut figures = measured(&pieces, &points, job, budget)?;
     if job.fit.method != Method::Biarc {
-        // The measured deviation decides. Lines replace the curves that exceed the tolerance; if a curve
-        // still exceeds it, lines replace all curves.
+        // The measured deviation decides.
+        if figures.is_far.contains(&true) {
+            let rounding =
+                (ROUNDING * fit.tolerance_mm + ROUNDING_MM).min(LARGEST_ROUNDING * fit.tolerance_mm);
+            let closer = Fit { tolerance_mm: fit.tolerance_mm - rounding, ..fit };
+            pieces = fit_in_space(&points, job.plane, &closer, budget)?;
+            figures = measured(&pieces, &points, job, budget)?;
+        }
+        // Lines replace the curves that exceed the tolerance; if a curve still exceeds it, lines replace all
+        // curves.
         for is_far in [|piece: bool| piece, |_| true] {
-            if figures.is_far.iter().any(|is_far| *is_far) {
+            if figures.is_far.contains(&true) {
                 pieces = as_lines(&pieces, &points, figures.is_far.iter().map(|piece| is_far(*piece)));
                 figures = measured(&pieces, &points, job, budget)?;
             }
         }
     }
+    let n_needless = large_arcs::needless_joints(&pieces, &points, job, budget)?;
     let curves: Vec<Curve> = pieces.iter().map(|piece| piece.curve).collect();
     let kinks = kinks(&curves, job.fit.is_closed);
     let length_mm = curves.iter().map(Curve::length).sum();
@@ -209,7 +233,12 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     };
     let joints = curves.iter().map(Curve::start).chain(curves.last().map(Curve::end)).collect();
     let toolpath = contour(&[curves], top_mm, cutting.as_ref())?;
-    Ok(Plan { toolpath, joints, warnings: warnings(job, &figures), report, cutting })
+    let mut warnings = warnings(job, &figures);
+    if n_needless > 0 {
+        let largest_radius_mm = job.curves.largest_radius_mm;
+        warnings.push(Warning::RadiusLimited { largest_radius_mm, n_joints: n_needless });
+    }
+    Ok(Plan { toolpath, joints, warnings, report, cutting })
 }
 
 /// Deviations of curves and points, mm.
@@ -279,7 +308,7 @@ fn measured(
             (Measure::Points, _) => following::from_points(&piece.curve, passed),
         };
         let rounded = round(&piece.curve, job.resolution, &job.curves)?;
-        figures.is_far.push(exceeds(deviation_mm, job.fit.tolerance_mm));
+        figures.is_far.push(deviation_mm > job.fit.tolerance_mm);
         figures.from_lines_mm = figures.from_lines_mm.max(from_lines_mm);
         figures.deviation_mm = figures.deviation_mm.max(deviation_mm);
         figures.written_mm = figures.written_mm.max(deviation_mm + rounded.displacement_mm);
@@ -329,3 +358,6 @@ fn kinks(curves: &[Curve], is_closed: bool) -> Vec<f64> {
     let neighbours = curves.windows(2).map(|pair| (&pair[0], &pair[1]));
     neighbours.chain(seam).map(|(before, after)| angle(before, after)).collect()
 }
+
+#[cfg(test)]
+mod tests;

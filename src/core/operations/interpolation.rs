@@ -4,8 +4,8 @@
 //! 1. Divide the domain of the curve into as many equal ranges as the job asks for.
 //! 2. Divide each range into elements, by one of two methods. *Bisection*, as in Hyun's paper: halve each
 //!    element that leaves the band (`bisection`). *Fewest elements*: let each element reach as far as it can
-//!    (`least`). This is not always the smallest number, so a beam search then looks for fewer elements
-//!    (`beam_search`).
+//!    (`least`). This is not always the smallest number, so a beam search and bisection then look for fewer
+//!    elements (`beam_search`, `fewest`).
 //! 3. Prove for each element that all of it stays within the band
 //!    ([`deviation`](crate::geometry::deviation)).
 //! 4. Compute a lower bound for the number of elements that the curve needs (`lower_bound`).
@@ -26,11 +26,13 @@
 //! Technique",
 //! 1992. The paper samples the deviation of each element; here a bound of the deviation is proved.
 
+mod band;
 mod beam_search;
 mod bisection;
 mod compensation;
 mod corners;
 mod corridor;
+mod fewest;
 mod fit;
 mod job;
 mod least;
@@ -52,10 +54,11 @@ use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::units::rounded_up;
 use crate::toolpath::{PathError, Toolpath};
+pub use band::{BandAlong, Side as BandSide, WidthError};
 pub use compensation::CompensationError;
 use corridor::Corridor;
 use fit::{Fitted, Fitter};
-pub use job::{DEFAULT_ELEMENT_LIMIT, Job, Joints, Method, Source, Subdivision};
+pub use job::{DEFAULT_ELEMENT_LIMIT, Job, Joints, Method, Source, Subdivision, Widths};
 use meter::{Meter, Metered};
 pub use preview::{Sketch, sketch};
 pub use source::{AnyCurve, SourceError};
@@ -63,6 +66,10 @@ pub use source::{AnyCurve, SourceError};
 /// The most elements of a bisection for which a lower bound is computed. The bound takes much longer than the
 /// bisection.
 const MOST_BOUNDED: usize = 10_000;
+
+/// The largest radius of an arc, mm, also on a control that runs larger arcs. Flatter arcs would stand for
+/// straight parts of a profile, which are lines.
+const LARGEST_RADIUS_MM: f64 = 1e4;
 
 /// The shape of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -141,6 +148,7 @@ pub enum Warning {
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub curve: AnyCurve,
+    pub band: BandAlong,
     pub toolpath: Toolpath,
     pub report: Report,
     /// The conditions with every default filled in.
@@ -156,6 +164,8 @@ pub enum Error {
     Source(#[from] SourceError),
     #[error("only graphs y(x) have a vertical deviation")]
     VerticalWithoutGraph,
+    #[error("{error}")]
+    Width { side: BandSide, error: WidthError },
     #[error("only lines can have joints in the band")]
     JointsInBand,
     #[error("cutter radius compensation supports lines and arcs only")]
@@ -204,6 +214,12 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     if matches!(job.subdivision, Subdivision::Least(Joints::InBand)) && job.method != Method::Linear {
         return Err(Error::JointsInBand);
     }
+    if matches!(job.subdivision, Subdivision::Least(Joints::InBand)) {
+        let widths = [(&job.widths.below, BandSide::Below), (&job.widths.above, BandSide::Above)];
+        if let Some((_, side)) = widths.into_iter().find(|(width, _)| width.is_some()) {
+            return Err(Error::Width { side, error: WidthError::JointsInBand });
+        }
+    }
     if job.compensation.is_some() && matches!(job.method, Method::Parabolic | Method::Mixed) {
         return Err(Error::CompensatedParabola);
     }
@@ -211,17 +227,18 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     if job.band.measure == Measure::Vertical && !curve.is_graph() {
         return Err(Error::VerticalWithoutGraph);
     }
+    let band = BandAlong::of(job, &curve, budget)?;
     // One instance for each kind of curve: the search spends its time on points of the curve.
     let divided = match &curve {
-        AnyCurve::Graph(graph) => divide(graph, job, budget),
-        AnyCurve::Piecewise(piecewise) => divide(piecewise, job, budget),
+        AnyCurve::Graph(graph) => divide(graph, &band, job, budget),
+        AnyCurve::Piecewise(piecewise) => divide(piecewise, &band, job, budget),
     }?;
     let path = match &curve {
-        AnyCurve::Graph(graph) => path::path(graph, &divided.elements, job, budget),
-        AnyCurve::Piecewise(piecewise) => path::path(piecewise, &divided.elements, job, budget),
+        AnyCurve::Graph(graph) => path::path(graph, &band, &divided.elements, job, budget),
+        AnyCurve::Piecewise(piecewise) => path::path(piecewise, &band, &divided.elements, job, budget),
     }?;
     let deviation_max_mm = divided.elements.iter().map(|element| element.deviation_mm).fold(0.0, f64::max);
-    let widest = job.band.below_mm.max(job.band.above_mm);
+    let widest = band.widest.below_mm.max(band.widest.above_mm);
     let mut warnings = path.warnings;
     if let Some(deviation_mm) = path.deviation_written_mm.filter(|mm| *mm > widest) {
         warnings.push(Warning::RoundingLeavesBand { deviation_mm });
@@ -236,7 +253,12 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         deviation_written_max_mm: path.deviation_written_mm,
         elements: divided.elements,
     };
-    Ok(Plan { curve, toolpath: path.toolpath, report, cutting: path.cutting, warnings })
+    Ok(Plan { curve, band, toolpath: path.toolpath, report, cutting: path.cutting, warnings })
+}
+
+/// The largest radius of the arcs of a job, mm.
+fn largest_radius(job: &Job) -> f64 {
+    job.curves.largest_radius_mm.min(LARGEST_RADIUS_MM)
 }
 
 /// The elements of a curve.
@@ -246,11 +268,12 @@ struct Divided {
     lower_bound: Option<usize>,
 }
 
-fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided, Error> {
+fn divide(curve: &impl PlaneCurve, along: &BandAlong, job: &Job, budget: &Budget) -> Result<Divided, Error> {
     let meter = Meter::new(job.step_limit, budget);
     let curve = &Metered::new(curve, &meter);
-    let (method, band, element_limit) = (job.method, job.band, job.element_limit);
-    let fitter = Fitter { curve, method, band, element_limit, meter: &meter };
+    let (method, band, element_limit) = (job.method, along.widest, job.element_limit);
+    let largest_radius_mm = largest_radius(job);
+    let fitter = Fitter { curve, method, band, along, largest_radius_mm, element_limit, meter: &meter };
     let [from, to] = curve.domain();
     let count = job.initial_elements.max(1);
     let at = |k: usize| if k == count { to } else { from + (to - from) * (k as f64 / count as f64) };
@@ -262,13 +285,9 @@ fn divide(curve: &impl PlaneCurve, job: &Job, budget: &Budget) -> Result<Divided
         let fitted = match job.subdivision {
             Subdivision::Bisection => bisection::bisect(&fitter, range, budget)?,
             Subdivision::Least(joints) => {
-                let mut fitted = least::fewest(&fitter, range, budget)?;
-                longest.extend_from_slice(&fitted);
-                if let Some(fewer) = beam_search::fewer(&fitter, &fitted)? {
-                    fitted = fewer;
-                }
-                corners::keep_corners(&fitter, &mut fitted, budget)?;
-                straight::straighten(&fitter, &mut fitted, budget)?;
+                let fewest::Fewest { elements: mut fitted, longest: each } =
+                    fewest::fewest(&fitter, range, budget)?;
+                longest.extend(each);
                 if joints == Joints::InBand
                     && meter.has_steps_for_search()
                     && let Some(free) = in_band(&fitter, &fitted, budget)?

@@ -8,31 +8,36 @@
 //!    cutters only. `contact` drops a cutter of any shape onto the surface.
 //! 3. Fit lines and arcs to the CL curves, which makes the passes (`passes`). Join the passes (`links`,
 //!    `entries`).
-//! 4. Prove how deep the cutter cuts into the surface on every move (`certificate`).
+//! 4. Prove how much the passes leave (`leftover`). If this is more than the scallop height that is asked
+//!    for, repeat the method from item 1 with planes closer together.
+//! 5. Prove how deep the cutter cuts into the surface on every move (`certificate`).
 //!
 //! # Guarantees
-//! * `deviation_max_mm` bounds the distance of every point of the passes from the exact CL curves, and of
-//!   every point of the exact CL curves from the passes.
+//! * `deviation_max_mm` bounds the distance of the passes from the exact CL curves, both ways and in order:
+//!   each place of a pass is compared with the CL curve at its own place along the pass.
 //! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move.
-//! * `scallop_max_mm` bounds the height of the material between neighbouring passes that follow the CL curves
-//!   exactly (`scallop`).
+//! * `scallop_max_mm` and `rest_max_mm` bound how far any point of the part is from what the passes remove:
+//!   the first where the cutter can reach, the second where it cannot ([`uncut`](crate::machining::uncut)).
 //!
-//! The bounds of deviation and gouge hold for the path as computed and as the program states it. A path is
+//! The bounds hold for the path as computed and as the program states it. A path is
 //! refused if its bound of the deviation exceeds the tolerance. The allowance is a layer of material that has
 //! to stay on the surface. A path is also refused if the cutter may cut into this layer by more than the
 //! tolerance, measured from the top of the layer.
 //!
 //! # Cost
-//! O(n log m) for n CL points and m patches. For ball cutters, the cost of `regularity` comes on top.
+//! O(n log m) for n CL points and m patches. For ball cutters, the cost of `regularity` comes on top. A
+//! scallop height takes up to five trials of the passes.
 //!
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs".
 
 mod certificate;
 mod cl_cartesian;
+mod counts;
 mod deviation;
 mod entries;
 mod job;
+mod leftover;
 mod links;
 mod outline;
 mod passes;
@@ -55,6 +60,7 @@ use crate::toolpath::program::Blank;
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::units::rounded_up;
 use crate::toolpath::{PathError, Toolpath};
+pub use counts::PassElements;
 pub use job::{
     Boundary, CutDirection, DEFAULT_MOVE_LIMIT, DEFAULT_PLANE_LIMIT, DEFAULT_POINT_LIMIT, Engine, Entry,
     Exit, Interpolation, Job, SectionPlane, Spacing, Stock,
@@ -82,7 +88,7 @@ pub struct Report {
     /// Distance of neighbouring planes or wires as cut, in mm.
     pub stepover_mm: f64,
     /// Proved largest distance between the exact path and the written path, in mm, measured from each to the
-    /// other.
+    /// other and in order: each place is compared with the other path at the same place along the pass.
     pub deviation_max_mm: f64,
     /// Proved largest depth to which the cutter cuts into the finished surface, in mm.
     pub gouge_max_mm: f64,
@@ -90,23 +96,28 @@ pub struct Report {
     /// may be above 0 nevertheless, because it is a bound.
     #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
     pub gouge_at: Option<Point3<f64>>,
-    /// Largest thickness found of the material that the cutter cannot reach at concave places, in mm along
-    /// the normal of the surface. The value is the largest of some thousand samples, not a bound. `null` with
-    /// `engine: offset_section`, which refuses such surfaces, and with `wire_union`.
-    pub rest_sampled_max_mm: Option<f64>,
-    /// Where `rest_sampled_max_mm` was found, in mm. `null` where no such material was found.
+    /// Proved largest distance, in mm, from the finished surface to the material that the passes remove, at
+    /// places that the cutter can reach. This is the height of the scallops, or of what stays where no pass
+    /// leads. With an allowance, the distance counts from the top of the layer that stays. `null` with
+    /// `wire_union`.
+    pub scallop_max_mm: Option<f64>,
+    /// Where `scallop_max_mm` was found, in mm. `null` where nothing was found.
+    #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
+    pub scallop_at: Option<Point3<f64>>,
+    /// Proved largest distance, in mm, from the finished surface to the material that the passes remove, at
+    /// places that the cutter cannot reach: the depth of what stays in corners, grooves and valleys narrower
+    /// than the cutter, and beside the outline with `boundary: inside`. Rest much thinner than
+    /// `scallop_max_mm` counts as scallop. `null` with `wire_union`.
+    pub rest_max_mm: Option<f64>,
+    /// Where `rest_max_mm` was found, in mm. `null` where there is no rest.
     #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
     pub rest_at: Option<Point3<f64>>,
-    /// Proved largest height of the material left between passes, in mm along the normal of the surface; the
-    /// deviation of the passes is not included. The bound does not cover places beside an edge of the surface
-    /// from which the way along the surface to the next pass leads beyond the edge. `null` where the cuts of
-    /// neighbouring passes do not overlap everywhere, where the cutter is no ball or cannot follow the
-    /// surface everywhere, and with `wire_union`.
-    pub scallop_max_mm: Option<f64>,
     /// Number of arcs.
     pub n_arcs: usize,
     /// Number of lines.
     pub n_lines: usize,
+    /// The elements of each pass, in the order of cutting.
+    pub elements_per_pass: Vec<PassElements>,
 }
 
 /// Something the caller should know that does not stop the job.
@@ -114,16 +125,12 @@ pub struct Report {
 pub enum Warning {
     #[error("not-a-knot ends need 4 points along {direction}; there are {points}")]
     EndsReduced { direction: &'static str, points: usize },
-    #[error(
-        "the report has no scallop height, because the cutter is no ball or cannot follow the surface everywhere"
-    )]
-    ScallopNotProved,
-    #[error(
-        "the cuts of passes {stepover_mm} mm apart do not overlap everywhere: material stays between the passes"
-    )]
-    PassesApart { stepover_mm: f64 },
-    #[error("{count} pieces of passes are shorter than a tenth of the cutter's radius and left out, and their material stays; the longest is {:.4} mm", rounded_up(*longest_mm))]
-    ShortPiecesLeftOut { count: usize, longest_mm: f64 },
+    #[error("the cutter cannot reach all of the surface: up to {:.4} mm stay near ({:.3}, {:.3}, {:.3})", rounded_up(*depth_mm), at.x, at.y, at.z)]
+    RestLeft { depth_mm: f64, at: Point3<f64> },
+    #[error("the passes leave a strip: up to {:.4} mm stay near ({:.3}, {:.3}, {:.3}), far more than between neighbouring passes", rounded_up(*depth_mm), at.x, at.y, at.z)]
+    StripLeft { depth_mm: f64, at: Point3<f64> },
+    #[error("{count} pieces of passes are shorter than a tenth of the cutter's radius and left out, and their material stays; the longest is {:.4} mm, near ({:.3}, {:.3}, {:.3})", rounded_up(*longest_mm), at.x, at.y, at.z)]
+    ShortPiecesLeftOut { count: usize, longest_mm: f64, at: Point3<f64> },
     #[error("the part is smaller than the cutter along x and along y: check that the points are in mm")]
     PartSmallerThanCutter,
     #[error("no stock is given: rapids come down to {approach_mm} mm above the surface")]
@@ -177,6 +184,8 @@ pub enum Error {
         "the job needs more than {limit} CL points, the most that are allowed; use a larger step length, spacing of passes or tolerance"
     )]
     TooManyPoints { limit: usize },
+    #[error("passes in these planes leave at least {least_mm:.4} mm, where {asked_mm} mm are asked for")]
+    ScallopNotReached { asked_mm: f64, least_mm: f64, at: Option<Point3<f64>> },
     #[error(
         "no section of the surface is long enough to cut; the part is too small or the boundary leaves nothing"
     )]
@@ -193,7 +202,13 @@ impl Error {
     /// Whether a path along sections of the offset may fail so where another part of the surface is in the
     /// way of the cutter, or where a wall is so steep that its sections have no end.
     fn is_obstacle(&self) -> bool {
-        matches!(self, Self::ToleranceNotReached { .. } | Self::SectionLost { .. } | Self::TooMuchWork { .. })
+        matches!(
+            self,
+            Self::ToleranceNotReached { .. }
+                | Self::SectionLost { .. }
+                | Self::TooMuchWork { .. }
+                | Self::ScallopNotReached { .. }
+        )
     }
 }
 

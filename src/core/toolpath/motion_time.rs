@@ -41,7 +41,14 @@ pub fn motion_time(toolpath: &Toolpath, rapid_feed: FeedRate, acceleration: Acce
     let a = acceleration.mm_per_s2();
     let mut chain = Chain::default();
     let mut seconds = 0.0;
-    for step in toolpath.moves() {
+    let starts = toolpath.passes().iter().flat_map(|pass| {
+        let apart = pass.moves().len().min(usize::from(pass.start().is_some()));
+        (0..pass.moves().len()).map(move |k| k < apart)
+    });
+    for (step, is_apart) in toolpath.moves().zip(starts) {
+        if is_apart {
+            seconds += chain.finish(a);
+        }
         let (kind, curve, rate) = match step {
             Move::Rapid { line } => (Kind::Rapid, Curve::Line(*line), rapid_feed),
             Move::Feed { along, rate, .. } => (Kind::Feed, *along, (*rate)?),

@@ -50,6 +50,8 @@ pub enum Move {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pass {
     level: Option<u32>,
+    /// Where the pass starts, if it does not start where the pass before ends.
+    start: Option<Point3<f64>>,
     moves: Vec<Move>,
     axes: ToolAxes,
     rails: Vec<Rail>,
@@ -62,6 +64,12 @@ impl Pass {
 
     pub fn moves(&self) -> &[Move] {
         &self.moves
+    }
+
+    /// Where the tip stands before the first move of the pass, if that is not where the pass before ended:
+    /// the tool came there on a way that is not known.
+    pub fn start(&self) -> Option<Point3<f64>> {
+        self.start
     }
 
     /// The tool axis. Where it differs from the axis at the end of the pass before, the tool turns about its
@@ -199,7 +207,22 @@ impl Builder {
     /// Begins a pass with another tool axis. Unless it is the first pass, the tool turns about its tip.
     pub fn begin_leaning_pass(&mut self, level: Option<u32>, axis: UnitVector3<f64>) {
         self.axis = axis;
-        self.passes.push(Pass { level, moves: Vec::new(), axes: ToolAxes::Fixed(axis), rails: Vec::new() });
+        self.passes.push(Pass {
+            level,
+            start: None,
+            moves: Vec::new(),
+            axes: ToolAxes::Fixed(axis),
+            rails: Vec::new(),
+        });
+    }
+
+    /// Begins a pass at `start`, which the tool reaches on a way that is not known.
+    pub fn begin_pass_apart(&mut self, start: Point3<f64>) {
+        self.begin_pass(None);
+        self.at = start;
+        if let Some(pass) = self.passes.last_mut() {
+            pass.start = Some(start);
+        }
     }
 
     /// Number of moves of the pass.

@@ -25,8 +25,8 @@
 //! A given curve that needs more than [`MAX_PIECES`] written curves is refused.
 //!
 //! # Cost
-//! O(1) for nearly every curve. An arc of a radius above [`MAX_RADIUS_MM`] needs O(sqrt(radius / step))
-//! lines.
+//! O(1) for nearly every curve. An arc of a radius above [`Curves::largest_radius_mm`] needs O(sqrt(radius /
+//! step)) lines.
 
 mod biarcs;
 pub(super) mod bound;
@@ -54,8 +54,12 @@ pub const MIN_SAGITTA_STEPS: f64 = 0.5;
 /// as zero, and other controls lose as much in rounding.
 const LEAST_RADIUS_MM: f64 = 0.0013;
 
-/// Arcs of larger radius, mm, are written as chords: controls have run whole circles instead of such arcs.
-pub const MAX_RADIUS_MM: f64 = 1e4;
+/// The largest radius of an arc, mm, on controls that state none: some have run whole circles instead of
+/// arcs of larger radius.
+const USUAL_LARGEST_RADIUS_MM: f64 = 1e4;
+
+/// Factor by which rounding may raise the radius of an arc that was made with the largest radius.
+const RADIUS_ROUNDING: f64 = 1.0 + 1e-9;
 
 /// Largest number of curves written for one curve. The chords of a full circle of radius 1 km at three
 /// decimals are half as many.
@@ -116,17 +120,24 @@ pub struct Curves {
     pub parabolas: Parabolas,
     /// The largest difference of the radii at the ends of an arc that the control accepts, mm.
     pub radius_mismatch_mm: f64,
+    /// The largest radius of an arc, mm. Arcs of larger radius are written as chords.
+    pub largest_radius_mm: f64,
 }
 
 impl Curves {
     /// Arcs in all planes, and helices, on a control that accepts as little as most do: with few decimals one
     /// step is more than that. LinuxCNC refuses 0.028 mm, Heidenhain 0.016 mm.
-    pub const ARCS: Self =
-        Self { arcs: Arcs::WithHelices, parabolas: Parabolas::AsLines, radius_mismatch_mm: 0.015 };
+    pub const ARCS: Self = Self {
+        arcs: Arcs::WithHelices,
+        parabolas: Parabolas::AsLines,
+        radius_mismatch_mm: 0.015,
+        largest_radius_mm: USUAL_LARGEST_RADIUS_MM,
+    };
 
     /// Whether the control runs `arc` as an arc.
     fn run(&self, arc: &Arc, step_mm: f64) -> bool {
         match self.arcs {
+            _ if arc.radius() > RADIUS_ROUNDING * self.largest_radius_mm => false,
             Arcs::AsLines => false,
             Arcs::WithHelicesAboutZ => {
                 let is_exact = arc.radius() * HELIX_ANGLE <= HELIX_STEPS * step_mm;
@@ -341,10 +352,7 @@ impl Output<'_> {
             }
             if piece.sweep() <= std::f64::consts::PI && piece.sagitta() < MIN_SAGITTA_STEPS * step {
                 self.line(&piece.start(), &piece.end(), piece.chord_distance())?;
-            } else if !self.runs.run(arc, step)
-                || arc.radius() > MAX_RADIUS_MM
-                || arc.radius() < LEAST_RADIUS_MM
-            {
+            } else if !self.runs.run(arc, step) || arc.radius() < LEAST_RADIUS_MM {
                 self.chords(&piece)?;
             } else {
                 match candidate::best(&piece, &self.grid, self.runs)? {

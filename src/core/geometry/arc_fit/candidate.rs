@@ -40,6 +40,8 @@ pub struct Rule {
     pub tolerance_mm: f64,
     pub shapes: Shapes,
     pub measure: Measure,
+    /// The largest radius of an arc, mm.
+    pub largest_radius_mm: f64,
 }
 
 impl Rule {
@@ -177,22 +179,25 @@ impl<'a> PointRange<'a> {
         // lines' limits.
         let most = if rule.counts_lines() { 2 } else { usize::MAX };
         let mut allowed = near;
-        let mut found = self.candidates(&near, &chord).take(most).find(&mut keeps);
+        let flattest = chord.flattest(rule.largest_radius_mm);
+        let mut found = self.candidates(&near, flattest).take(most).find(&mut keeps);
         if found.is_none() && rule.counts_lines() {
             allowed = self.near_lines(near, rule)?;
-            found = self.candidates(&allowed, &chord).find(&mut keeps);
+            found = self.candidates(&allowed, flattest).find(&mut keeps);
         }
-        found.or_else(|| turns::one_bulge_per_range(self.lines(), &allowed, &chord).into_iter().find(keeps))
+        found.or_else(|| {
+            turns::one_bulge_per_range(self.lines(), &allowed, &chord, flattest).into_iter().find(keeps)
+        })
     }
 
     /// The bulges to try: that of a line, and of arcs from all over the set.
-    fn candidates(&self, bulges: &Bulges, chord: &Chord) -> impl Iterator<Item = f64> + use<> {
+    fn candidates(&self, bulges: &Bulges, flattest: f64) -> impl Iterator<Item = f64> + use<> {
         const PLACES: [f64; 19] = [
             0.5, 0.25, 0.75, 0.02, 0.98, 0.125, 0.375, 0.625, 0.875, 0.0625, 0.1875, 0.3125, 0.4375, 0.5625,
             0.6875, 0.8125, 0.9375, 0.005, 0.995,
         ];
         let line = bulges.contains(0.0).then_some(0.0);
-        let arcs = bulges.curved(chord.flattest()).flat_map(|part| {
+        let arcs = bulges.curved(flattest).flat_map(|part| {
             // Evenly by the arc's angle: evenly by the bulge, most would be nearly full circles.
             let [low, high] = part.map(f64::atan);
             PLACES.into_iter().map(move |place| (low + (high - low) * place).tan())
@@ -266,7 +271,27 @@ impl<'a> PointRange<'a> {
             witnesses.crossed = pair;
             return false;
         }
-        self.winds(&track, chord)
+        self.winds(&track, chord) && self.turns_little(&track, tolerance, chord)
+    }
+
+    /// Whether no two neighbouring points are more than half a turn of the element apart, by the last place
+    /// near one and the first near the next. Mirrored in the middle of its chord, an element runs backwards.
+    fn turns_little(&self, track: &ChordFrame, tolerance: f64, chord: &Chord) -> bool {
+        let Some(arc) = track.arc().filter(|arc| arc.sweep > std::f64::consts::PI) else { return true };
+        let places = |points: &mut dyn Iterator<Item = usize>, way: f64| {
+            let next = |reached: &mut f64, k: usize| {
+                let (p, above) = self.seen(k, chord);
+                *reached = track.first_place([way * p.x, p.y].into(), way * above, tolerance, *reached)?;
+                Some(*reached)
+            };
+            points.scan(0.0, next).collect::<Vec<f64>>()
+        };
+        let inner = self.first + 1..self.last;
+        let (mut first, back) = (places(&mut inner.clone(), 1.0), places(&mut inner.clone().rev(), -1.0));
+        first.push(1.0);
+        let last = std::iter::once(0.0).chain(back.iter().rev().map(|place| 1.0 - place));
+        let is_half = |(to, from): (&f64, f64)| (to - from) * arc.sweep <= std::f64::consts::PI;
+        first.len() + back.len() > 2 * inner.len() && first.iter().zip(last).all(is_half)
     }
 
     /// Whether the point with index `k` is an inner point of the span.
@@ -355,7 +380,7 @@ impl<'a> PointRange<'a> {
             return Some(found);
         }
         let Some((chord, part)) = self.part_of(found, rule) else { return Some(found) };
-        let (flattest, best) = (chord.flattest(), self.balanced(&chord, part));
+        let (flattest, best) = (chord.flattest(rule.largest_radius_mm), self.balanced(&chord, part));
         let is_flat = best.abs() < flattest || best.abs() * chord.half < FLATTEST_MM;
         if is_flat && found == 0.0 {
             return Some(0.0);

@@ -10,8 +10,6 @@
 
 use nalgebra::Vector2;
 
-use super::LARGEST_RADIUS_MM;
-
 /// tan(sweep / 4) for 350 degrees, the largest bulge. For larger sweeps rounding alone would decide between
 /// an arc and a full circle.
 pub const LARGEST_BULGE: f64 = 22.903_765_548_431_4;
@@ -100,9 +98,8 @@ impl Chord {
         0.5 * self.half * (bulge + 1.0 / bulge).abs()
     }
 
-    /// The bulge of an arc of the largest radius.
-    pub fn flattest(&self) -> f64 {
-        let r = LARGEST_RADIUS_MM;
+    /// The bulge of an arc of the radius `r`, mm, that turns by at most half a turn.
+    pub fn flattest(&self, r: f64) -> f64 {
         // For the radius r over half a chord h the bulge is (r - sqrt(r^2 - h^2)) / h.
         self.half / (r + (r * r - self.half * self.half).max(0.0).sqrt())
     }

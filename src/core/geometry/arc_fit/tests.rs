@@ -237,3 +237,24 @@ proptest! {
         prop_assert_eq!(start, points.len() - 1);
     }
 }
+
+/// Points within a tolerance or two of each other, about the centre of a small arc.
+#[test]
+fn an_arc_turns_by_at_most_half_a_turn_between_two_points() {
+    let points = [
+        [5.238942902159894, 0.010391403046915125],
+        [5.210864226100756, 0.01079836940125084],
+        [5.205696589525563, 0.014361714383258815],
+        [5.206666877074161, 0.008287992642614414],
+        [5.232803740229477, -0.0018391257167210164],
+        [5.216097345732758, 0.029433022024428147],
+        [5.242009978483482, 0.00664743987411346],
+    ];
+    let points = points.map(|[x, y]| Point3::new(x, y, 1.0));
+    let request = Fit { joints: Joints::OnPoints, ..Fit::within(0.0213) };
+    let mut first = 0;
+    for piece in fit_in_space(&points, None, &request, &Budget::unlimited()).unwrap() {
+        assert!(from_points(&piece.curve, &points[first..=piece.end]) <= 0.0213 + 1e-9, "{piece:?}");
+        first = piece.end;
+    }
+}

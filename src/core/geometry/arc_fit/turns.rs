@@ -13,12 +13,13 @@ use super::chord::{Bulges, Chord};
 /// each range costs a check of all points.
 const MOST_CROSSINGS: usize = 64;
 
-/// A bulge from the middle of each range, for arcs over `chord` with these `bulges` and the `lines` between
-/// the points. Empty if no crossing is among the bulges.
+/// A bulge from the middle of each range, for arcs over `chord` with these `bulges`, none below `flattest`,
+/// and the `lines` between the points. Empty if no crossing is among the bulges.
 pub fn one_bulge_per_range(
     lines: impl Iterator<Item = [Vector2<f64>; 2]>,
     bulges: &Bulges,
     chord: &Chord,
+    flattest: f64,
 ) -> Vec<f64> {
     let crossed = lines.map(|line| line.map(|p| chord.local(p))).filter(|[a, b]| a.x * b.x < 0.0);
     let crossings: Vec<f64> = crossed
@@ -31,7 +32,7 @@ pub fn one_bulge_per_range(
         .take(MOST_CROSSINGS)
         .collect();
     let mut middles = Vec::new();
-    for [low, high] in bulges.curved(chord.flattest()) {
+    for [low, high] in bulges.curved(flattest) {
         let mut ends: Vec<f64> = crossings.iter().copied().filter(|b| low < *b && *b < high).collect();
         if ends.is_empty() {
             continue;

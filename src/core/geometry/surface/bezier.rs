@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::patch::{BicubicPatch, Bounds, Patch};
+use super::topology::Topology;
 use super::{Jet, PatchRange, Surface, span_of};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bounding_tree::BoundingTree;
@@ -114,12 +115,16 @@ impl<P: Patch> BezierSurface<P> {
         if facing_up < 0.0 { self.transposed() } else { self }
     }
 
-    /// The surface with straight patches added along all four sides, tangent to it and at least `by` mm long.
-    /// A cutter that runs past the edges follows this surface. `None` where a side has no tangents across, or
-    /// where the weights of a rational side leave no room for a continuation.
+    /// The surface with straight patches added along its edges, tangent to it and at least `by` mm long.
+    /// Seams and poles are not continued. A cutter that runs past the edges follows this surface. `None`
+    /// where an edge has no tangents across, or where the weights of a rational edge leave no room for a
+    /// continuation.
     pub fn continued(&self, by: f64) -> Option<Self> {
+        let [low_u, high_u, low_v, high_v] = Topology::of(self).edges();
         // Four continuations along u, with a quarter turn after each, end in the original orientation.
-        (0..4).try_fold(self.clone(), |surface, _| Some(surface.continued_along_u(by)?.turned()))
+        [high_u, high_v, low_u, low_v].into_iter().try_fold(self.clone(), |surface, is_edge| {
+            Some(if is_edge { surface.continued_along_u(by)?.turned() } else { surface.turned() })
+        })
     }
 
     fn continued_along_u(&self, by: f64) -> Option<Self> {

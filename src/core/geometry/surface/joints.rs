@@ -1,5 +1,5 @@
 //! Checks whether neighbouring patches meet along their common sides, and whether they have the same normals
-//! there.
+//! there. The two sides of a seam, at which a closed surface joins itself, count as a common side.
 //!
 //! Points and normals of both patches are compared at `PLACES` places along each common side. The surface is
 //! refused if two points are farther apart than [`GAP_LIMIT_MM`], or two normals differ by a larger angle
@@ -8,6 +8,7 @@
 
 use nalgebra::Point3;
 
+use super::topology::{CLOSED_MM, KINK_LIMIT, Topology};
 use super::{BezierSurface, Patch, Surface};
 use crate::budget::{Budget, Stopped};
 
@@ -19,10 +20,6 @@ const PLACES: usize = 48;
 /// Patches that are farther apart than this do not join, mm. A smaller distance counts as rounding of the
 /// data and becomes part of [`Joints::gap_mm`].
 pub const GAP_LIMIT_MM: f64 = 1e-5;
-
-/// Normals that differ by more than this make an edge, radians: a few hundredths of a degree. A smaller angle
-/// counts as rounding of the data and becomes part of [`Joints::kink`].
-pub const KINK_LIMIT: f64 = 1e-3;
 
 /// A normal shorter than this, relative to the product of the lengths of the patch along u and v, is
 /// rounding: the side shrinks to a point there.
@@ -61,8 +58,8 @@ pub enum NotSmooth {
     Edge { at: Point3<f64>, angle_deg: f64 },
 }
 
-/// How the patches join across `joints`. Each joint is given by the number of patches before it, along u and
-/// along v.
+/// How the patches join across `joints`, and across the seams of a closed surface. Each joint is given by the
+/// number of patches before it, along u and along v.
 ///
 /// # Errors
 /// The first joint where the patches do not meet or make an edge, or the budget's stop.
@@ -77,15 +74,24 @@ pub fn examine(
         budget.check()?;
         for j in 0..nv {
             let at = |t: f64| ([i - 1, j], [1.0, t], [i, j], [0.0, t]);
-            found = found.with_side(surface, at)?;
+            found = found.with_side(surface, at, GAP_LIMIT_MM)?;
         }
     }
     for &j in &joints[1] {
         budget.check()?;
         for i in 0..nu {
             let at = |t: f64| ([i, j - 1], [t, 1.0], [i, j], [t, 0.0]);
-            found = found.with_side(surface, at)?;
+            found = found.with_side(surface, at, GAP_LIMIT_MM)?;
         }
+    }
+    let topology = Topology::of(surface);
+    for j in (0..nv).filter(|_| topology.is_closed(0)) {
+        let at = |t: f64| ([nu - 1, j], [1.0, t], [0, j], [0.0, t]);
+        found = found.with_side(surface, at, CLOSED_MM)?;
+    }
+    for i in (0..nu).filter(|_| topology.is_closed(1)) {
+        let at = |t: f64| ([i, nv - 1], [t, 1.0], [i, 0], [t, 0.0]);
+        found = found.with_side(surface, at, CLOSED_MM)?;
     }
     Ok(found.with_what_lies_between())
 }
@@ -98,13 +104,14 @@ impl Joints {
         mut self,
         surface: &BezierSurface<impl Patch>,
         side: impl Fn(f64) -> Side,
+        gap_limit: f64,
     ) -> Result<Self, NotSmooth> {
         for k in 0..PLACES {
             let (patch, place, neighbour, same) = side(k as f64 / (PLACES - 1) as f64);
             let jet = |[i, j]: [usize; 2], [u, v]: [f64; 2]| surface.patch(i, j).jet(u, v);
             let (one, other) = (jet(patch, place), jet(neighbour, same));
             let gap_mm = (one.point - other.point).norm();
-            if gap_mm > GAP_LIMIT_MM {
+            if gap_mm > gap_limit {
                 return Err(NotSmooth::Gap { at: one.point, gap_mm, patches: [patch, neighbour] });
             }
             self.gap_mm = self.gap_mm.max(gap_mm);

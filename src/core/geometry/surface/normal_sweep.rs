@@ -1,32 +1,39 @@
-//! The surface that a plane drive curve sweeps while it is carried along a basic curve in the xy plane. The
-//! plane of the drive curve always stands at right angles to the basic curve.
+//! The surface that a plane drive curve sweeps while it is carried along a basic curve in space. The plane of
+//! the drive curve is upright. It always stands at right angles to the projection of the basic curve on the
+//! xy plane.
 //!
 //! # Method
-//! The first coordinate of the drive curve counts along the unit normal of the basic curve (to the left), the
-//! second upward. Each pair of a piece of the basic curve and a piece of the drive curve makes a patch:
-//! 1. Along a line or an arc, the unit normal is a quotient of polynomials. So the patch is exact.
+//! The first coordinate of the drive curve counts along the unit normal of the projection (to the left), the
+//! second upward from the basic curve. Each pair of a piece of the basic curve and a piece of the drive curve
+//! makes a patch (`leg`):
+//! 1. Where the projection is a line or an arc, the unit normal is a quotient of polynomials. So the patch is
+//!    exact.
 //! 2. Along a cubic, another cubic replaces the unit normal (`unit_normal`). Where this other cubic is not
 //!    near enough to the unit normal, the piece of the basic curve is halved.
-//! 3. At a sharp corner between two lines, the patches along both lines end in the plane that halves the
-//!    corner (a mitre, `corner`).
+//! 3. A tilted arc is replaced by cubics first.
+//! 4. At a sharp corner between two lines in plan, the patches along both lines end in the upright plane that
+//!    halves the corner (a mitre, `corner`). Every point of the drive curve is there at the height of the
+//!    corner, and changes its height along each line as the basic curve does.
 //!
 //! # Guarantees
-//! Along lines and arcs the surface is exact, up to rounding. Along cubics it is within [`TOLERANCE_MM`] of
-//! the exact surface. The surface does not fold along any piece of the basic curve. Parts of the surface
-//! along different pieces may still intersect.
+//! Along lines, level arcs and arcs in upright planes the surface is exact, up to rounding. Along cubics it
+//! is within [`TOLERANCE_MM`] of the exact surface, and along tilted arcs within twice that. The surface does
+//! not fold along any piece of the basic curve. Parts of the surface along different pieces may still
+//! intersect.
 //!
 //! # Degenerate input
 //! Refused are:
 //! * a drive curve that reaches so far to the side that the surface would fold;
 //! * a sharp corner with an arc or a cubic on one side: the surfaces on the two sides do not meet in a plane;
-//! * a basic curve that turns back on itself at a corner, or has a cusp.
+//! * a basic curve that turns back on itself at a corner, or has a cusp;
+//! * a basic curve that runs upright: its projection has no direction there.
 //!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
-//! of Sculptured Surface of Die", 1989, section 3.2.2. In the paper, the basic curve need not lie in the xy
-//! plane.
+//! of Sculptured Surface of Die", 1989, section 3.2.2.
 
 mod corner;
+mod leg;
 mod unit_normal;
 
 use nalgebra::{Point2, Point3, Vector2, Vector3};
@@ -34,6 +41,7 @@ use nalgebra::{Point2, Point3, Vector2, Vector3};
 use super::any_surface::{AnySurface, PATCH_LIMIT};
 use super::swept::{self, Station, SweepRail, TooManyPatches};
 use crate::geometry::profile::{Piece, Profile, Shape};
+use leg::SweepLeg;
 use unit_normal::NormalFault;
 
 /// How far the surface may leave the exact one along cubics of the basic curve, mm.
@@ -42,10 +50,10 @@ pub const TOLERANCE_MM: f64 = 1e-6;
 /// How far the drive curve may exceed its permitted reach before it is refused, mm: room for rounding.
 const REACH_ROUNDING_MM: f64 = 1e-9;
 
-/// The basic curve in the xy plane, along u, and the drive curve (left of the basic curve, up), along v; mm.
+/// The basic curve, along u, and the drive curve (left of the basic curve, up), along v; mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalSweep {
-    pub basic: Profile<2>,
+    pub basic: Profile<3>,
     pub drive: Profile<2>,
 }
 
@@ -74,6 +82,10 @@ pub enum NormalSweepError {
         "the basic curve has a cusp, or turns so tightly that it may have one; the curve has no normal at a cusp"
     )]
     Cusp { place: usize },
+    #[error(
+        "seen from above, the basic curve stands still or turns back here; its projection on the xy plane needs a direction everywhere"
+    )]
+    Upright { place: usize },
 }
 
 /// A side of the basic curve, seen from above in its direction.
@@ -115,7 +127,10 @@ impl NormalSweep {
     /// The joints at corners of the curves. Each joint is given by the number of patches before it, along u
     /// and along v. Meaningful only if [`NormalSweep::surface`] succeeds.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
+        let [low, high] = self.basic.range(2);
         let along_basic = match self.rails() {
+            // Beside a rising curve, the way along the surface turns where the curvature in plan jumps.
+            Ok(Rails { rails: _, firsts }) if high > low => firsts.into_iter().skip(1).collect(),
             Ok(Rails { rails: _, firsts }) => {
                 self.basic.loose_joints().into_iter().map(|joint| firsts[joint]).collect()
             }
@@ -126,51 +141,62 @@ impl NormalSweep {
 
     fn rails(&self) -> Result<Rails, NormalSweepError> {
         let reach = self.drive.range(0);
-        let normals = corner::normals(&self.basic, reach)?;
-        let mut found = Rails { rails: Vec::new(), firsts: Vec::with_capacity(normals.len()) };
-        for (piece, normals) in self.basic.pieces().iter().zip(normals) {
-            found.firsts.push(found.rails.len());
-            match &piece.shape {
-                Shape::Line([from, to]) => {
+        let (legs, firsts) = leg::legs(&self.basic, reach[0].abs().max(reach[1].abs()))?;
+        let plan: Vec<Piece<2>> = legs.iter().map(|leg| leg.plan).collect();
+        let normals = corner::normals(&plan, self.basic.is_closed(), reach)?;
+        let mut rails: Vec<SweepRail> = Vec::with_capacity(legs.len());
+        // For each leg, the index of its first rail.
+        let mut starts = Vec::with_capacity(legs.len());
+        for (SweepLeg { plan: piece, space }, normals) in legs.iter().zip(normals) {
+            starts.push(rails.len());
+            match (&piece.shape, space) {
+                (Shape::Line(line), space) => {
                     check_line(piece, normals, reach)?;
-                    found.rails.push(vec![station(from, &normals[0], 1.0), station(to, &normals[1], 1.0)]);
+                    rails.push(along_line(line, space, normals));
                 }
-                Shape::Arc { points, weight } => {
+                (Shape::Arc { .. }, Shape::Arc { points, weight }) => {
                     check_arc(piece, normals, reach)?;
                     // The middle control point of an arc of the unit circle: the sum of the two unit normals
                     // is 2 `weight` long, and the control point is 1 / `weight` from the centre.
                     let middle = (normals[0] + normals[1]) / (2.0 * weight * weight);
                     let control = [(normals[0], 1.0), (middle, *weight), (normals[1], 1.0)];
                     let stations = points.iter().zip(control).map(|(p, (n, w))| station(p, &n, w));
-                    found.rails.push(stations.collect());
+                    rails.push(stations.collect());
                 }
-                Shape::Cubic(points) => {
-                    let room = PATCH_LIMIT.saturating_sub(found.rails.len());
+                (_, Shape::Cubic(points)) => {
+                    let room = PATCH_LIMIT.saturating_sub(rails.len());
                     let parts = unit_normal::parts(*points, reach, room)
                         .map_err(|fault| of_normal(fault, piece.place))?;
-                    found.rails.extend(parts.iter().map(|part| {
-                        part.points
-                            .iter()
-                            .zip(&part.normals)
-                            .map(|(p, n)| station(p, n, 1.0))
-                            .collect::<SweepRail>()
+                    rails.extend(parts.iter().map(|part| {
+                        let control = part.points.iter().zip(&part.normals);
+                        control.map(|(p, n)| station(p, n, 1.0)).collect::<SweepRail>()
                     }));
                 }
+                // A leg has the same kind of shape in plan and in space, unless it is a line in plan.
+                (Shape::Arc { .. } | Shape::Cubic(_), Shape::Line(_) | Shape::Arc { .. }) => {}
             }
-            if found.rails.len() > PATCH_LIMIT {
+            if rails.len() > PATCH_LIMIT {
                 return Err(NormalSweepError::TooManyPatches);
             }
         }
-        Ok(found)
+        Ok(Rails { rails, firsts: firsts.into_iter().map(|leg| starts[leg]).collect() })
     }
 }
 
-fn station(point: &Point2<f64>, normal: &Vector2<f64>, weight: f64) -> Station {
-    Station {
-        origin: Point3::new(point.x, point.y, 0.0),
-        axes: [normal.push(0.0), Vector3::z(), Vector3::zeros()],
-        weight,
-    }
+/// The stations of a leg that is a line in plan. The normal changes in proportion to the way along the line.
+fn along_line(line: &[Point2<f64>; 2], space: &Shape<3>, [first, last]: [Vector2<f64>; 2]) -> SweepRail {
+    let points = space.control_points();
+    let end = points.len() - 1;
+    let normal = |k: usize, p: &Point3<f64>| match k {
+        0 => first,
+        _ if k == end => last,
+        _ => first + (last - first) * leg::share(p, line),
+    };
+    points.iter().enumerate().map(|(k, (p, weight))| station(p, &normal(k, p), *weight)).collect()
+}
+
+fn station(point: &Point3<f64>, normal: &Vector2<f64>, weight: f64) -> Station {
+    Station { origin: *point, axes: [normal.push(0.0), Vector3::z(), Vector3::zeros()], weight }
 }
 
 /// Checks how far to each side the drive curve may reach along a piece with this chord and these normals at

@@ -25,7 +25,11 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
     /// The point at the centre of the unit square.
     fn center(&self) -> Vector3<f64>;
 
-    /// Every control point in space, that is, divided by its weight.
+    /// The degrees p along u and q along v. There are (p + 1)(q + 1) control points.
+    fn degree(&self) -> [usize; 2];
+
+    /// Every control point in space, that is, divided by its weight. The point (a, b), a along u, comes at
+    /// the place a (q + 1) + b.
     fn control_points(&self) -> impl Iterator<Item = Vector3<f64>>;
 
     /// The corners (0, 0), (0, 1), (1, 0), (1, 1).
@@ -51,7 +55,7 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
     /// Sets that contain every value of the derivatives over the unit square.
     fn derivatives(&self) -> DerivativeBounds;
 
-    /// A lower bound over the unit square of the sum over k of `weights[k]` times the squared coordinate
+    /// Bounds over the unit square of the sum over k of `weights[k]` times the squared coordinate
     /// along `axes[k]`. Coordinates count from `origin`.
     fn bound_squares<const N: usize>(
         &self,
@@ -133,6 +137,8 @@ impl DerivativeBounds {
 pub struct SquareBound {
     /// The least coefficient, mm^2: a lower bound of the sum.
     pub lowest: f64,
+    /// The largest coefficient, mm^2: an upper bound of the sum.
+    pub highest: f64,
     /// The largest term of the sums, mm^2. The rounding error of the coefficients is proportional to it.
     pub magnitude: f64,
     /// The largest absolute second differences of the coefficients along u and v, mm^2.

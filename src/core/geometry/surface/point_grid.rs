@@ -13,10 +13,17 @@
 //! With [`Twist::Spline`] the surface has continuous second derivatives. With [`Twist::Zero`] only its first
 //! derivatives are continuous. Points that coincide are accepted, even if the surface has no normal there.
 //!
+//! A direction is closed where its first and last points coincide, along the whole edge ([`CLOSED_MM`]).
+//! Splines along it close smoothly, with two continuous derivatives across the seam, if the ends are
+//! [`Ends::Periodic`]; and also with [`Ends::Usual`], if they bend no more at the seam than elsewhere.
+//!
 //! # Reference
 //! Y. H. Koo, D. J. Lee, S. Namgung, M. S. Kang, "A Study on the Construction of CAD/CAM System for Machining
 //! of Sculptured Surface of Die", 1989, section 3.1, eq. 1-7. The paper has only [`Twist::Zero`] (eq. 6), and
 //! does not print the end conditions of its splines.
+
+#[cfg(test)]
+mod tests;
 
 use nalgebra::{Point3, Vector3};
 
@@ -52,15 +59,28 @@ pub struct EndTangents {
 /// The end conditions of the cubic splines along both directions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Ends {
-    /// The same as `NotAKnot`, for callers who did not choose the ends. Too few points for not-a-knot ends
-    /// then give the interpolating polynomial without a warning.
+    /// For callers who did not choose the ends: periodic in a closed direction that bends no more at its seam
+    /// than elsewhere, else the same as `NotAKnot`. Too few points for not-a-knot ends then give the
+    /// interpolating polynomial without a warning.
     #[default]
     Usual,
     Natural,
     NotAKnot,
     Clamped(EndTangents),
     Bessel,
+    /// Periodic in closed directions, at least one; the same as `Usual` in the other direction.
+    Periodic,
 }
+
+/// Largest distance of the first and the last point of a row or column in a closed direction, mm. Surfaces of
+/// programs coincide to their last decimal; the last point is kept, so the seam has a step of at most this.
+pub const CLOSED_MM: f64 = 1e-6;
+
+/// Least number of rows of a closed direction, the first counted twice.
+const LEAST_CLOSED: usize = 4;
+
+/// Bends at a seam, as cosines, may differ by rounding and noise from the sharpest bend elsewhere.
+const SAME_BEND: f64 = 0.05;
 
 /// Points `points[i][j]`, i along u, with uniform parameters; mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,6 +114,10 @@ pub enum GridError {
         "there are {given} end tangents along {edge:?} for {expected} boundary points; each boundary point needs one end tangent"
     )]
     EndTangents { edge: Edge, given: usize, expected: usize },
+    #[error(
+        "neither the first and last rows nor the first and last columns coincide: periodic ends need a closed grid"
+    )]
+    NotClosed,
     #[error("an end tangent along {edge:?} is not finite")]
     EndTangentNotFinite { edge: Edge },
 }
@@ -156,7 +180,41 @@ impl PointGrid {
                 }
             }
         }
+        if self.ends == Ends::Periodic && self.closed() == [false; 2] {
+            return Err(GridError::NotClosed);
+        }
         Ok([rows, expected])
+    }
+
+    /// Whether the grid is closed along u, where its first and last rows coincide, and along v, where its
+    /// first and last columns do. Not for fewer than four rows or columns.
+    pub fn closed(&self) -> [bool; 2] {
+        let is_same = |a: &Point3<f64>, b: &Point3<f64>| (a - b).norm() <= CLOSED_MM;
+        let rows = &self.points;
+        let along_u = match rows.as_slice() {
+            [first, .., last] if rows.len() >= LEAST_CLOSED => {
+                first.iter().zip(last).all(|(a, b)| is_same(a, b))
+            }
+            _ => false,
+        };
+        let is_ring = |row: &Vec<Point3<f64>>| match row.as_slice() {
+            [first, .., last] => row.len() >= LEAST_CLOSED && is_same(first, last),
+            _ => false,
+        };
+        [along_u, rows.iter().all(is_ring)]
+    }
+
+    /// The directions whose splines are periodic.
+    pub fn periodic(&self) -> [bool; 2] {
+        let closed = self.closed();
+        match self.ends {
+            Ends::Periodic => closed,
+            Ends::Usual => {
+                let columns = || transposed(&self.points);
+                [closed[0] && bends_on(&columns()), closed[1] && bends_on(&self.points)]
+            }
+            _ => [false; 2],
+        }
     }
 
     /// The directions with fewer than the four points that `not_a_knot` needs, each with its number of
@@ -171,11 +229,12 @@ impl PointGrid {
 
     /// The end conditions of the splines along u (by the index j) and along v (by the index i).
     fn end_conditions(&self) -> [Box<dyn Fn(usize) -> EndCondition + '_>; 2] {
+        let of = |is_periodic: bool| -> Box<dyn Fn(usize) -> EndCondition + '_> {
+            Box::new(move |_| if is_periodic { EndCondition::Periodic } else { EndCondition::NotAKnot })
+        };
         match &self.ends {
             Ends::Natural => [Box::new(|_| EndCondition::Natural), Box::new(|_| EndCondition::Natural)],
-            Ends::Usual | Ends::NotAKnot => {
-                [Box::new(|_| EndCondition::NotAKnot), Box::new(|_| EndCondition::NotAKnot)]
-            }
+            Ends::Usual | Ends::NotAKnot | Ends::Periodic => self.periodic().map(of),
             Ends::Bessel => [Box::new(|_| EndCondition::Bessel), Box::new(|_| EndCondition::Bessel)],
             Ends::Clamped(t) => [
                 Box::new(|j| EndCondition::Clamped(t.u0[j], t.u1[j])),
@@ -203,138 +262,25 @@ impl PointGrid {
     }
 }
 
+/// Whether most closed rows bend no more at their seam than at their other points.
+fn bends_on(rows: &[Vec<Point3<f64>>]) -> bool {
+    let cosine = |a: Vector3<f64>, b: Vector3<f64>| {
+        let lengths = a.norm() * b.norm();
+        if lengths > 0.0 { a.dot(&b) / lengths } else { 1.0 }
+    };
+    let is_smooth = |row: &&Vec<Point3<f64>>| {
+        let last = row.len() - 1;
+        let seam = cosine(row[last] - row[last - 1], row[1] - row[0]);
+        let bends = row.windows(3).map(|three| cosine(three[1] - three[0], three[2] - three[1]));
+        seam >= bends.fold(1.0, f64::min) - SAME_BEND
+    };
+    2 * rows.iter().filter(is_smooth).count() > rows.len()
+}
+
 fn rowwise(values: &[Vec<Vector3<f64>>], ends: &dyn Fn(usize) -> EndCondition) -> Vec<Vec<Vector3<f64>>> {
     values.iter().enumerate().map(|(i, row)| derivatives(row, ends(i))).collect()
 }
 
-fn transposed(values: &[Vec<Vector3<f64>>]) -> Vec<Vec<Vector3<f64>>> {
+fn transposed<T: Copy>(values: &[Vec<T>]) -> Vec<Vec<T>> {
     (0..values[0].len()).map(|j| values.iter().map(|row| row[j]).collect()).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::surface::{Jet, Patch, Surface};
-    use std::f64::consts::PI;
-
-    fn wave(x: f64, y: f64) -> f64 {
-        10.0 * (PI * x / 40.0).sin() * (PI * y / 40.0).cos()
-    }
-
-    fn wave_grid(n: usize, twist: Twist, ends: Ends) -> PointGrid {
-        let at = |i: usize| 80.0 * i as f64 / (n - 1) as f64;
-        let points =
-            (0..n).map(|i| (0..n).map(|j| Point3::new(at(i), at(j), wave(at(i), at(j)))).collect()).collect();
-        PointGrid { points, twist, ends }
-    }
-
-    fn largest_error(grid: &PointGrid) -> f64 {
-        let surface = grid.surface().unwrap();
-        let n = surface.spans()[0] as f64;
-        let m = 400;
-        let mut worst = 0.0f64;
-        for a in 0..=m {
-            for b in 0..=m {
-                let p = surface.jet(n * a as f64 / m as f64, n * b as f64 / m as f64).point;
-                worst = worst.max((p.z - wave(p.x, p.y)).abs());
-            }
-        }
-        worst
-    }
-
-    /// Published fit errors of this surface, mm, for each twist and end condition.
-    #[test]
-    fn fit_errors_of_the_wave_match_the_published_figures() {
-        for (n, twist, ends, known) in [
-            (9, Twist::Zero, Ends::Natural, 0.333),
-            (9, Twist::Spline, Ends::Natural, 0.328),
-            (9, Twist::Spline, Ends::NotAKnot, 0.099),
-            (60, Twist::Zero, Ends::Natural, 5.6e-3),
-            (60, Twist::Spline, Ends::Natural, 5.6e-3),
-            (60, Twist::Spline, Ends::NotAKnot, 3.6e-5),
-        ] {
-            let error = largest_error(&wave_grid(n, twist, ends.clone()));
-            assert!((error / known - 1.0).abs() < 0.03, "{n} {twist:?} {ends:?}: {error}");
-        }
-    }
-
-    fn clamped_ends(n: usize) -> Ends {
-        let h = 80.0 / (n - 1) as f64;
-        let w = PI / 40.0;
-        let at = |i: usize| h * i as f64;
-        let du = |x: f64, y: f64| Vector3::new(h, 0.0, h * 10.0 * w * (w * x).cos() * (w * y).cos());
-        let dv = |x: f64, y: f64| Vector3::new(0.0, h, -h * 10.0 * w * (w * x).sin() * (w * y).sin());
-        Ends::Clamped(EndTangents {
-            u0: (0..n).map(|j| du(0.0, at(j))).collect(),
-            u1: (0..n).map(|j| du(80.0, at(j))).collect(),
-            v0: (0..n).map(|i| dv(at(i), 0.0)).collect(),
-            v1: (0..n).map(|i| dv(at(i), 80.0)).collect(),
-        })
-    }
-
-    #[test]
-    fn true_end_tangents_beat_every_guess() {
-        let error = largest_error(&wave_grid(9, Twist::Spline, clamped_ends(9)));
-        assert!(error < 0.03, "{error}");
-    }
-
-    #[test]
-    fn spline_twist_is_c2_and_zero_twist_c1_across_patches() {
-        let jumps = |grid: &PointGrid| {
-            let surface = grid.surface().unwrap();
-            let [mut first, mut second] = [0.0f64; 2];
-            let mut compare = |a: Jet, b: Jet| {
-                first = first.max((a.du - b.du).norm()).max((a.dv - b.dv).norm());
-                second = second.max((a.duu - b.duu).norm()).max((a.duv - b.duv).norm());
-                second = second.max((a.dvv - b.dvv).norm());
-            };
-            for i in 1..surface.spans()[0] {
-                for k in 0..40 {
-                    let (j, t) = (k / 5, (k % 5) as f64 / 4.0);
-                    compare(surface.patch(i - 1, j).jet(1.0, t), surface.patch(i, j).jet(0.0, t));
-                    compare(surface.patch(j, i - 1).jet(t, 1.0), surface.patch(j, i).jet(t, 0.0));
-                }
-            }
-            [first, second]
-        };
-        for ends in [Ends::Natural, Ends::NotAKnot, Ends::Bessel, clamped_ends(9)] {
-            let [first, second] = jumps(&wave_grid(9, Twist::Spline, ends));
-            assert!(first < 1e-12 && second < 1e-10, "{first} {second}");
-        }
-        let [first, second] = jumps(&wave_grid(9, Twist::Zero, Ends::Natural));
-        assert!(first < 1e-12 && second > 0.1, "{first} {second}");
-    }
-
-    #[test]
-    fn the_surface_passes_through_its_points() {
-        let grid = wave_grid(7, Twist::Spline, Ends::Bessel);
-        let surface = grid.surface().unwrap();
-        for (i, row) in grid.points.iter().enumerate() {
-            for (j, p) in row.iter().enumerate() {
-                assert!((surface.jet(i as f64, j as f64).point - p).norm() < 1e-12);
-            }
-        }
-    }
-
-    #[test]
-    fn a_broken_grid_is_refused_with_the_place_of_its_fault() {
-        let p = Point3::origin();
-        let grid =
-            |points: Vec<Vec<Point3<f64>>>| PointGrid { points, twist: Twist::Spline, ends: Ends::Natural };
-        assert_eq!(grid(vec![vec![p, p]]).surface(), Err(GridError::TooFewRows { rows: 1 }));
-        assert_eq!(
-            grid(vec![vec![p], vec![p]]).surface(),
-            Err(GridError::TooFewPoints { row: 0, points: 1 })
-        );
-        assert_eq!(
-            grid(vec![vec![p, p], vec![p, p, p]]).surface(),
-            Err(GridError::Ragged { row: 1, points: 3, expected: 2 })
-        );
-        let bad = Point3::new(0.0, f64::NAN, 0.0);
-        assert_eq!(grid(vec![vec![p, p], vec![p, bad]]).surface(), Err(GridError::NotFinite { i: 1, j: 1 }));
-        let tangents = EndTangents { u0: vec![], u1: vec![], v0: vec![], v1: vec![] };
-        let mut clamped = grid(vec![vec![p, p], vec![p, p]]);
-        clamped.ends = Ends::Clamped(tangents);
-        assert_eq!(clamped.surface(), Err(GridError::EndTangents { edge: Edge::U0, given: 0, expected: 2 }));
-    }
 }

@@ -1,7 +1,10 @@
 //! The grammar of section curves: turns a text into items, each with its place in the text.
 //!
-//! `curve = item (space item)*`, `item = ("l" | "r") row | "b" "(" row ("," row)* ")"`,
-//! `row = "(" number ("," number)* ")"`.
+//! `curve = item (space item)*`, `item = ("l" | "r") row | "b" rows | "b" "(" rows ")"`,
+//! `rows = row ("," row)*`, `row = "(" number ("," number)* ")"`.
+//!
+//! The paper prints `b` without the outer parentheses. After the first parenthesis of a `b`, another
+//! parenthesis or a number tells which of the two forms is written.
 //!
 //! White space may stand before and after every letter, parenthesis, comma and number. The parser reads the
 //! text once from start to end, and does not recurse, because items do not nest.
@@ -87,17 +90,29 @@ fn item(text: &mut Text<'_>, room: usize) -> Read<Written> {
     Ok(Written { at, kind, rows })
 }
 
-/// Reads points in parentheses, at least one. Stops after one point more than `room`.
+/// Reads the points of a `b`, at least one. Stops after one point more than `room`.
 fn rows(text: &mut Text<'_>, room: usize) -> Read<Vec<Row>> {
+    let start = text.checkpoint();
     '('.context("an opening parenthesis").parse_next(text)?;
+    multispace0(text)?;
+    let is_enclosed = !text.starts_with(|sign: char| sign.is_ascii_digit() || "+-.".contains(sign));
+    if !is_enclosed {
+        text.reset(&start);
+    }
     let mut rows = Vec::new();
     loop {
         multispace0(text)?;
         rows.push(row(text)?);
-        if is_last(text)? || rows.len() > room {
+        let is_last = if is_enclosed { is_last(text)? } else { !goes_on(text)? };
+        if is_last || rows.len() > room {
             return Ok(rows);
         }
     }
+}
+
+/// Reads a comma, if the text goes on with one after white space. Without a comma, the white space stays.
+fn goes_on(text: &mut Text<'_>) -> Read<bool> {
+    Ok(opt((multispace0, ',')).parse_next(text)?.is_some())
 }
 
 fn row(text: &mut Text<'_>) -> Read<Row> {

@@ -55,8 +55,15 @@ fn a_text_that_breaks_the_grammar_is_refused_with_its_place() {
         ("l(1,2e)", 5, next),
         ("l(1,--2)", 5, "a number"),
         ("l(1,\u{661})", 4, "a number"),
-        ("b(1,2)", 2, open),
         ("b()", 2, open),
+        ("b(x,2)", 2, open),
+        ("b(1,2),", 7, open),
+        ("b(1,2),3", 7, open),
+        ("b(1,2),(3,4", 11, next),
+        ("b(1,2),(3,4))", 12, "white space before the next item"),
+        ("b(1,2) (3,4)", 7, item),
+        ("b(1,(2))", 4, "a number"),
+        ("b((1,2),3,4)", 8, open),
         ("b((1,2),(3,4)", 13, next),
         ("b((1,2) (3,4))", 8, next),
         ("b(((1,2)))", 3, "a number"),
@@ -71,6 +78,9 @@ fn an_impossible_item_is_refused_with_its_place() {
         ("l(0,0)", 0, Fault::OnePoint),
         (" l(0,0,0) ", 1, Fault::OnePoint),
         ("b((0,0))", 0, Fault::OneSmoothPoint),
+        ("b(0,0)", 0, Fault::OneSmoothPoint),
+        ("b(0,0), (1,1,1)", 8, Fault::Dimension { expected: 2, found: 3 }),
+        ("b(0,0), (1,1), (1,1)", 15, Fault::Coincident),
         ("r(0,0,1) l(1,1)", 0, Fault::CornerAtEnd),
         ("l(0,0) r(1,1,1)", 7, Fault::CornerAtEnd),
         ("l(0,0) l(1,1,1)", 8, Fault::Dimension { expected: 2, found: 3 }),
@@ -214,6 +224,18 @@ fn a_smooth_curve_passes_through_its_points_with_natural_ends() {
     // The line does not arrive along the tangent of the smooth curve.
     let turn = curve.derivative(at(0).next_down()).perp(&curve.derivative(at(0)));
     assert!(turn.abs() > 0.1);
+}
+
+#[test]
+fn the_printed_form_of_a_smooth_curve_is_read_beside_the_enclosed_form() {
+    for (printed, enclosed) in [
+        ("b(0,0), (1,2), (3,1)", "b((0,0),(1,2),(3,1))"),
+        ("l(-5,0) b ( 0 , 0 ) ,\n(1,2) l(9,9)", "l(-5,0) b((0,0),(1,2)) l(9,9)"),
+        ("b(-1,+2),(.5,-3) b(9,0),(8,1)", "b((-1,2),(.5,-3)) b((9,0),(8,1))"),
+    ] {
+        assert_eq!(plane(printed).pieces(), plane(enclosed).pieces(), "{printed}");
+    }
+    assert_eq!(space("b(0,0,1),(2,2,2)").pieces(), space("b((0,0,1),(2,2,2))").pieces());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::tree::{Cover, PartVisitor, SubPatch};
+use super::tree::{Cover, Held, PartVisitor, SubPatch, Tree};
 use super::{Contact, Contacts};
 use crate::geometry::surface::patch::{Bounds, Patch};
 
@@ -19,25 +19,26 @@ const HALVINGS: usize = 32;
 impl<P: Patch> Contacts<'_, P> {
     /// Whether the axis of a cutter that stands level is over the surface, and not beyond its edges.
     pub(super) fn is_over(&self, contact: &Contact) -> bool {
-        let mut over = Over { at: contact.tip.xy().coords, is_found: false };
+        let mut over = Over { tree: &self.tree, at: contact.tip.xy().coords, is_found: false };
         self.tree.visit(&mut over);
         over.is_found
     }
 }
 
 /// A search for a place of the surface.
-struct Over {
+struct Over<'t, P> {
+    tree: &'t Tree<P>,
     at: Vector2<f64>,
     is_found: bool,
 }
 
-impl Over {
+impl<P: Patch> Over<'_, P> {
     fn may_be_in(&self, bounds: &Bounds) -> bool {
         (0..2).all(|k| (bounds.min[k] - UNDER_MM..=bounds.max[k] + UNDER_MM).contains(&self.at[k]))
     }
 
     /// Whether Newton's method finds a place of the part under the axis.
-    fn is_under<P: Patch>(&self, part: &SubPatch<P>) -> bool {
+    fn is_under(&self, part: &SubPatch<P>) -> bool {
         let mut place = [0.5, 0.5];
         for _ in 0..STEPS {
             let jet = part.patch.jet(place[0], place[1]);
@@ -57,7 +58,7 @@ impl Over {
     }
 }
 
-impl<P: Patch> PartVisitor<P> for Over {
+impl<'t, P: Patch> PartVisitor<'t, P> for Over<'t, P> {
     fn promise(&self, cover: &Cover) -> f64 {
         if self.may_be_in(&cover.bounds) { 1.0 } else { -1.0 }
     }
@@ -66,15 +67,15 @@ impl<P: Patch> PartVisitor<P> for Over {
         self.is_found || promise < 0.0
     }
 
-    fn visit(&mut self, part: &SubPatch<P>, _promise: f64) {
-        let mut open = vec![*part];
+    fn visit(&mut self, part: Held<'t, P>, _promise: f64) {
+        let mut open = vec![part];
         for _ in 0..HALVINGS {
             let Some(part) = open.pop() else { return };
             if self.is_under(&part) {
                 self.is_found = true;
                 return;
             }
-            open.extend(part.halves().into_iter().filter(|half| self.may_be_in(&half.bounds)));
+            open.extend(self.tree.halves(&part).into_iter().filter(|half| self.may_be_in(&half.bounds)));
         }
     }
 }

@@ -12,15 +12,15 @@
 //! A successful proof holds for every position of the stretch, to within rounding. If step 2 needs too many
 //! halvings of parts, the tips count as too high.
 
-use nalgebra::{Matrix2, Point3, Vector2};
+use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 
 use super::lift_bound::{AxisMove, Threshold};
 use super::newton::{Climb, TOUCHING};
 use super::round::RoundBodies;
 use super::support::Support;
-use super::tree::{Cover, PartVisitor, SubPatch};
+use super::tree::{Cover, Held, PartVisitor, SubPatch};
 use super::{Contact, Contacts, patches_at};
-use crate::geometry::surface::patch::Patch;
+use crate::geometry::surface::patch::{DerivativeBounds, Patch};
 use crate::geometry::surface::{Jet, Surface, span_of};
 use crate::machining::cutter::LowerPoint;
 
@@ -37,13 +37,18 @@ const STEPS: usize = 2;
 /// with more joints proves nothing.
 const JOINT_LIMIT: usize = 6;
 
-/// A bound of a second derivative is loose if it exceeds `LOOSE` times the value in the middle of the patch
-/// by more than `LOOSE_SHARE` of the size of the patch.
-const LOOSE: f64 = 1.5;
-const LOOSE_SHARE: f64 = 0.01;
+/// A bound of second derivatives on a part is loose if its radius exceeds `LOOSE` times its middle by more
+/// than `LOOSE_SHARE` of the height that is to be proved. The part is halved, at most `PART_HALVINGS` times,
+/// while the line of parameters covers less than 1 / `FEWEST_PARTS` of it. Looser bounds make chords shorter,
+/// tighter ones take more time for each chord.
+const LOOSE: f64 = 0.15;
+const LOOSE_SHARE: f64 = 0.4;
+const PART_HALVINGS: u32 = 6;
+const FEWEST_PARTS: f64 = 0.7;
 
-/// How far points are moved towards the axis, as a multiple of how far they may leave their chord.
-const INWARD_SHARE: f64 = 1.01;
+/// How far points are moved towards the axis, as a multiple of how much farther from it they may be than the
+/// ends of their chord.
+const INWARD_SHARE: f64 = 1.02;
 
 /// A place on the curved surface must be nearer to the axis by at least this share of that move.
 const ENOUGH_INWARD: f64 = 0.995;
@@ -116,60 +121,103 @@ impl<P: Patch> Contacts<'_, P> {
     }
 
     /// Proves [`Self::is_above`] by the surface points on the line of parameters between the contacts. Where
-    /// the cutter is too steep at these points, the line is moved towards the axis by as much as the points
-    /// may leave their chord.
+    /// these points may lie too far from the axis for a proof, the line is moved towards the axis.
     fn is_above_by_line(&self, from: &Contact, to: &Contact, height: f64) -> bool {
         let tips = [from.tip, to.tip];
-        let Some(dip) = self.dip([from.place, to.place], tips, [0.0, 0.0]) else { return false };
+        let Some(dip) = self.dip([from.place, to.place], tips, [0.0, 0.0], height) else { return false };
         if dip.depth <= height {
             return true;
         }
         let nearer = |contact: &Contact| {
-            self.nearer_to_axis(contact, INWARD_SHARE * dip.bend + 4.0 * TOUCHING * self.cutter.radius())
+            self.nearer_to_axis(contact, INWARD_SHARE * dip.outward + 4.0 * TOUCHING * self.cutter.radius())
         };
         let (Some(nearer_from), Some(nearer_to)) = (nearer(from), nearer(to)) else { return false };
         let ends = [(nearer_from, from.tip), (nearer_to, to.tip)]
             .map(|(place, tip)| tip.z - self.lift(place, tip.xy().coords));
-        self.dip([nearer_from, nearer_to], tips, ends).is_some_and(|dip| dip.depth <= height)
+        self.dip([nearer_from, nearer_to], tips, ends, height).is_some_and(|dip| dip.depth <= height)
     }
 
     /// Takes the surface points on the line of parameters between two `places`, and bounds how far below the
     /// chord of two tips they let the tip sink. At the ends of the line that distance is `ends`, mm. `None`
     /// where the line crosses too many joints.
     ///
-    /// The curve of these points leaves its own chord by at most `bend`. Seen from the moving axis, the
-    /// points of that chord lie on a straight line. The height of the cutter is convex along this line, so
-    /// these points lift the tip, relative to the tips' chord, no less than the lower end does. Moving a
-    /// point by `bend` changes the lift by at most `bend` times the steepness of the cutter at the largest
-    /// distance from the axis.
-    fn dip(&self, places: [[f64; 2]; 2], tips: [Point3<f64>; 2], ends: [f64; 2]) -> Option<Dip> {
-        let [nu, nv] = self.surface.spans();
+    /// Seen from the moving axis, the points of the curve's own chord lie on a straight line. The height h of
+    /// the cutter is convex along this line, so these points lift the tip, relative to the tips' chord, no
+    /// less than the lower end does. The curve itself lies beside its chord by e, which is at most an eighth
+    /// of its second derivative S'' in every direction. Because h is convex, the lift is less by no more than
+    /// the component of e along (-grad h, 1), with the gradient where the curve is.
+    fn dip(&self, places: [[f64; 2]; 2], tips: [Point3<f64>; 2], ends: [f64; 2], height: f64) -> Option<Dip> {
         let step = [0, 1].map(|k| places[1][k] - places[0][k]);
         let place = |t: f64| [0, 1].map(|k| places[0][k] + t * step[k]);
         let tip = |t: f64| tips[0] + (tips[1] - tips[0]) * t;
         let end = |t: f64| {
             let [u, v] = place(t);
-            let distance = (self.surface.jet(u, v).point - tip(t)).xy().norm();
+            let off = (self.surface.jet(u, v).point - tip(t)).xy();
             let dip = match t {
                 0.0 => ends[0],
                 1.0 => ends[1],
                 _ => tip(t).z - self.lift(place(t), tip(t).xy().coords),
             };
-            (distance, dip.max(0.0))
+            (off, dip.max(0.0))
         };
-        let mut dip = Dip { depth: 0.0, bend: 0.0 };
+        let mut dip = Dip { depth: 0.0, outward: 0.0 };
         for pair in joints(places)?.windows(2) {
-            let [middle_u, middle_v] = place(0.5 * (pair[0] + pair[1]));
-            let [uu, uv, vv] = self.bends[span_of(middle_u, nu) * nv + span_of(middle_v, nv)];
-            let [du, dv] = step.map(|d| d.abs() * (pair[1] - pair[0]));
-            let bend = (uu * du * du + 2.0 * uv * du * dv + vv * dv * dv) / 8.0;
             let ends = [end(pair[0]), end(pair[1])];
-            let farthest = ends[0].0.max(ends[1].0) + bend;
-            let steepness = 1f64.hypot(self.cutter.slope(farthest));
-            let depth = ends[0].1.max(ends[1].1) + if bend > 0.0 { bend * steepness } else { 0.0 };
-            dip = Dip { depth: dip.depth.max(depth), bend: dip.bend.max(bend) };
+            let offs = ends.map(|(off, _)| off);
+            let (middle, half) = (0.5 * (offs[0] + offs[1]), 0.5 * (offs[1] - offs[0]).norm());
+            let far = offs[0].norm().max(offs[1].norm());
+            let outward = middle.try_normalize(0.0);
+            let gradient = self.cutter.lower_point(middle).map_or(Vector2::zeros(), |lower| lower.gradient);
+            let lift_way = Vector3::new(-gradient.x, -gradient.y, 1.0);
+            let second = self.second_along(
+                [place(pair[0]), place(pair[1])],
+                outward
+                    .map_or([lift_way; 2], |outward| [lift_way, Vector3::new(-outward.x, -outward.y, 0.0)]),
+                LOOSE_SHARE * height,
+            );
+            let bend = second.length / 8.0;
+            // How far the curve may lie farther from the axis than the ends of its chord.
+            let beyond = outward.map_or(bend, |_| {
+                let turned = (2.0 * half / middle.norm()).min(2.0);
+                let outward = (second.most[1] / 8.0).max(0.0) + turned * bend;
+                bend.min(outward + bend * bend / (2.0 * far))
+            });
+            let farthest = far + beyond;
+            let depth = if farthest > self.cutter.radius() {
+                f64::INFINITY
+            } else {
+                let turned = self.cutter.bend(farthest) * (half + bend);
+                (second.most[0] / 8.0 + if bend > 0.0 { turned * bend } else { 0.0 }).max(0.0)
+            };
+            let depth = ends[0].1.max(ends[1].1) + depth;
+            dip = Dip { depth: dip.depth.max(depth), outward: dip.outward.max(beyond) };
         }
         Some(dip)
+    }
+
+    /// Bounds the second derivative of the surface points on a straight line of parameters within one patch,
+    /// by the fraction of the line: its length, and its components along two vectors, mm. A bound that
+    /// exceeds the values by up to `loose` mm is good enough.
+    fn second_along(&self, [from, to]: [[f64; 2]; 2], ways: [Vector3<f64>; 2], loose: f64) -> Second {
+        let [nu, nv] = self.surface.spans();
+        let patch = span_of(0.5 * (from[0] + to[0]), nu) * nv + span_of(0.5 * (from[1] + to[1]), nv);
+        let range = [[0, 1].map(|k| from[k].min(to[k])), [0, 1].map(|k| from[k].max(to[k]))];
+        let mut second = Second { length: 0.0, most: [f64::NEG_INFINITY; 2] };
+        self.tree.over_range(patch, range, PART_HALVINGS, &mut |part, is_last| {
+            let [du, dv] = [0, 1].map(|k| (to[k] - from[k]) / part.scale[k]);
+            let DerivativeBounds { duu, duv, dvv, .. } = part.bends().derivatives;
+            let ball = duu.scaled(du * du).plus(duv.scaled(2.0 * du * dv)).plus(dvv.scaled(dv * dv));
+            let center = ball.center.norm();
+            let is_tight =
+                is_last || ball.radius <= LOOSE * center + loose || du.abs() + dv.abs() > FEWEST_PARTS;
+            if is_tight {
+                let along = |k: usize| ways[k].dot(&ball.center) + ways[k].norm() * ball.radius;
+                second.length = second.length.max(center + ball.radius);
+                second.most = [0, 1].map(|k| second.most[k].max(along(k)));
+            }
+            is_tight
+        });
+        second
     }
 
     /// The height to which a place of the surface lifts the tip with the axis at `axis`, mm; minus infinity
@@ -226,27 +274,14 @@ impl<P: Patch> Contacts<'_, P> {
 /// How far surface points let the tip sink below a chord, at most, mm.
 struct Dip {
     depth: f64,
-    /// How far the points leave their own chord, at most, mm.
-    bend: f64,
+    /// How much farther from the axis the points may be than the ends of their chord, mm.
+    outward: f64,
 }
 
-/// Bounds of the lengths of the second derivatives of a patch: by u twice, by u and v, by v twice. A patch
-/// with a loose bound is halved, to a depth of at most `halvings`.
-pub(super) fn bends<P: Patch>(patch: &P, halvings: u32) -> [f64; 3] {
-    let derivatives = patch.derivatives();
-    let bounds = [derivatives.duu, derivatives.duv, derivatives.dvv].map(|ball| ball.reach());
-    let jet = patch.jet(0.5, 0.5);
-    let [uu, uv, vv] = [jet.duu, jet.duv, jet.dvv].map(|second| second.norm());
-    let [along_u, along_v] = patch.extents();
-    let is_loose = |k: usize, inside: f64| bounds[k] > LOOSE * inside + LOOSE_SHARE * (along_u + along_v);
-    let by_u = is_loose(0, uu) || is_loose(1, uv) && !is_loose(2, vv);
-    if halvings == 0 || !(by_u || is_loose(1, uv) || is_loose(2, vv)) {
-        return bounds;
-    }
-    let (halves, shares) =
-        if by_u { (patch.split_u(), [4.0, 2.0, 1.0]) } else { (patch.split_v(), [1.0, 2.0, 4.0]) };
-    let [first, second] = halves.map(|half| bends(&half, halvings - 1));
-    [0, 1, 2].map(|k| bounds[k].min(shares[k] * first[k].max(second[k])))
+/// Upper bounds of a second derivative: its length, and its components along two vectors.
+struct Second {
+    length: f64,
+    most: [f64; 2],
 }
 
 /// Fractions of a line of parameters: its ends, and where it crosses joints of patches. `None` where it
@@ -305,7 +340,7 @@ impl<P: Patch> Look<'_, '_, P> {
         let mut climb = Climb::new(&self.contacts.cutter, &self.track, part.nearest(self.guess));
         for _ in 0..STEPS {
             let jet = climb.look(&part.patch);
-            if climb.excess(part, &bends, &jet, &self.level) <= 0.0 {
+            if climb.excess(part, bends, &jet, &self.level) <= 0.0 {
                 return true;
             }
             if !climb.step(&part.patch, &jet) {
@@ -316,7 +351,7 @@ impl<P: Patch> Look<'_, '_, P> {
     }
 }
 
-impl<P: Patch> PartVisitor<P> for Look<'_, '_, P> {
+impl<'b, P: Patch> PartVisitor<'b, P> for Look<'_, 'b, P> {
     fn promise(&self, cover: &Cover) -> f64 {
         match &self.support {
             Some(support) if support.excess_under(cover, &self.track, &self.level) <= 0.0 => {
@@ -331,10 +366,11 @@ impl<P: Patch> PartVisitor<P> for Look<'_, '_, P> {
         !self.is_below || promise <= least
     }
 
-    fn visit(&mut self, part: &SubPatch<P>, _promise: f64) {
+    fn visit(&mut self, part: Held<'b, P>, _promise: f64) {
+        let tree = &self.contacts.tree;
         let mut open = vec![];
-        if !self.settles(part) {
-            open.extend(part.halves());
+        if !self.settles(&part) {
+            open.extend(tree.halves(&part));
         }
         while let Some(part) = open.pop() {
             if self.is_settled(self.contacts.lift_of_box(&part.bounds, &self.track)) || self.settles(&part) {
@@ -345,7 +381,7 @@ impl<P: Patch> PartVisitor<P> for Look<'_, '_, P> {
                 self.is_below = false;
                 return;
             }
-            open.extend(part.halves());
+            open.extend(tree.halves(&part));
         }
     }
 }
@@ -357,7 +393,7 @@ struct Near<'a, 'b, P> {
     is_found: bool,
 }
 
-impl<P: Patch> PartVisitor<P> for Near<'_, '_, P> {
+impl<'b, P: Patch> PartVisitor<'b, P> for Near<'_, 'b, P> {
     fn promise(&self, cover: &Cover) -> f64 {
         self.contacts.lift_of_box(&cover.bounds, &self.track)
     }
@@ -366,7 +402,7 @@ impl<P: Patch> PartVisitor<P> for Near<'_, '_, P> {
         self.is_found || promise == f64::NEG_INFINITY
     }
 
-    fn visit(&mut self, part: &SubPatch<P>, _promise: f64) {
-        self.is_found = self.contacts.lift_of_part(part, &self.track) > f64::NEG_INFINITY;
+    fn visit(&mut self, part: Held<'b, P>, _promise: f64) {
+        self.is_found = self.contacts.lift_of_part(&part, &self.track) > f64::NEG_INFINITY;
     }
 }

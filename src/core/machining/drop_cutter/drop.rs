@@ -7,7 +7,7 @@ use super::lift_bound::{AxisMove, Threshold};
 use super::newton::{self, Climb, Found};
 use super::round::RoundBodies;
 use super::support::Support;
-use super::tree::{Cover, PartVisitor, SubPatch};
+use super::tree::{Cover, Held, PartVisitor, SubPatch};
 use super::{Contact, Contacts};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::best_first::BestFirst;
@@ -42,12 +42,12 @@ pub(super) struct Drop<'a, 'b, P> {
     support: Option<Support>,
     round: Option<RoundBodies>,
     /// Parts that may lift the tip higher, with bounds of the height to which they lift it.
-    open: BestFirst<SubPatch<P>>,
+    open: BestFirst<Held<'b, P>>,
     /// Bound of the tip's height, mm, where the search ended early; else minus infinity.
     above: f64,
 }
 
-impl<P: Patch> PartVisitor<P> for Drop<'_, '_, P> {
+impl<'b, P: Patch> PartVisitor<'b, P> for Drop<'_, 'b, P> {
     fn promise(&self, cover: &Cover) -> f64 {
         match &self.support {
             Some(support)
@@ -63,12 +63,12 @@ impl<P: Patch> PartVisitor<P> for Drop<'_, '_, P> {
         promise <= self.level()
     }
 
-    fn visit(&mut self, part: &SubPatch<P>, promise: f64) {
+    fn visit(&mut self, part: Held<'b, P>, promise: f64) {
         let highest =
-            promise.min(self.contacts.lift_of_box(&part.bounds, &self.track)).min(self.highest(part));
+            promise.min(self.contacts.lift_of_box(&part.bounds, &self.track)).min(self.highest(&part));
         self.renew_support();
         if highest > self.level() {
-            self.open.push(highest, *part);
+            self.open.push(highest, part);
         }
     }
 }
@@ -173,10 +173,10 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
             if halvings.is_multiple_of(64) {
                 budget.check()?;
             }
-            for half in part.halves() {
+            for half in self.contacts.tree.halves(&part) {
                 let promise = self.contacts.lift_of_box(&half.bounds, &self.track);
                 if !self.is_settled(promise) {
-                    self.visit(&half, promise);
+                    self.visit(half, promise);
                 }
             }
         }
@@ -196,14 +196,18 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
         if highest <= self.level() {
             return highest;
         }
+        let start = self.guess.map_or([0.5, 0.5], |place| part.nearest(place));
+        let (under, is_found) = self.climb_part(part, start);
+        if under <= self.level() {
+            return under;
+        }
+        self.renew_support();
         let level = Threshold { level: self.level(), slope: 0.0 };
         if self.round.is_some_and(|round| round.keep_below(part, &self.track, &level)) {
             return level.level;
         }
-        let start = self.guess.map_or([0.5, 0.5], |place| part.nearest(place));
-        let (under, is_found) = self.climb_part(part, start);
         // A climb that starts beside the cutter may never get under it.
-        let under = if is_found || under <= self.level() {
+        let under = if is_found {
             under
         } else {
             under.min(self.climb_part(part, part.nearest_corner(&self.track.center)).0)
@@ -225,7 +229,7 @@ impl<'a, 'b, P: Patch> Drop<'a, 'b, P> {
             self.raise(found, part.start, part.scale);
             let least = self.best.map_or(jet.point.z, |best| best.height);
             let level = Threshold { level: least, slope: 0.0 };
-            let seen_from = |climb: &Climb| least + climb.excess(part, &bends, &jet, &level);
+            let seen_from = |climb: &Climb| least + climb.excess(part, bends, &jet, &level);
             // The first and the last place of a climb give the best bounds.
             if k == 1 {
                 highest = seen_from(&climb);

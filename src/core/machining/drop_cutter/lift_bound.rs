@@ -151,10 +151,9 @@ impl<P: Patch> Touch<'_, P> {
             let value = s.center.z - middle.dot(&s.center.xy());
             (value, length * s.radius + changes * reach)
         };
-        let (cu, cv) = (derivatives.du.center.xy(), derivatives.dv.center.xy());
-        let (ru, rv) = (derivatives.du.radius, derivatives.dv.radius);
+        let [(cu, ru), (cv, rv)] = first.map(|ball| (ball.center, ball.radius));
         let (fu, fv) = (form.times(&cu), form.times(&cv));
-        let [nu, nv] = *first;
+        let (nu, nv) = (cu.norm(), cv.norm());
         let [by_u, by_both, by_v] = *by;
         let (uu, duu) = second(&derivatives.duu, by_u);
         let (uv, duv) = second(&derivatives.duv, by_both);

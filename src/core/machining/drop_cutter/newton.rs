@@ -61,11 +61,14 @@ pub(super) struct Climb<'a> {
     tangent: Option<LowerPoint>,
     /// The cutter's point over the surface point, where there is one.
     over: Option<LowerPoint>,
+    /// Whether the place is under a sharp rim, on a side of the part, and the lift grows along the rim away
+    /// from that side.
+    leaves_side: bool,
 }
 
 impl<'a> Climb<'a> {
     pub(super) fn new(cutter: &'a Cutter, track: &'a AxisMove, place: [f64; 2]) -> Self {
-        Self { cutter, track, place, tangent: None, over: None }
+        Self { cutter, track, place, tangent: None, over: None, leaves_side: false }
     }
 
     /// Evaluates the surface at the place, and finds the cutter's points there. Returns the surface's jet.
@@ -74,8 +77,10 @@ impl<'a> Climb<'a> {
         let gradient = jet.gradient();
         let is_upright = !(gradient.x.is_finite() && gradient.y.is_finite());
         let is_level = gradient.norm() <= LEVEL_SLOPE && self.cutter.flat_radius() > 0.0;
-        self.tangent = self
-            .on_rim(&jet)
+        let on_rim = self.on_rim(&jet);
+        self.leaves_side = on_rim.as_ref().is_some_and(|lower| self.grows_inward(&jet, lower));
+        self.tangent = on_rim
+            .filter(|_| !self.leaves_side)
             .or_else(|| (!is_upright && !is_level).then(|| self.cutter.tangent_point(gradient)));
         self.over = self.cutter.lower_point(self.off(&jet));
         jet
@@ -93,6 +98,15 @@ impl<'a> Climb<'a> {
         let outward = off.normalize();
         let slope = along.z / outward.dot(&along.xy());
         (slope > LEVEL_SLOPE && slope.is_finite()).then(|| self.cutter.tangent_point(outward * slope))
+    }
+
+    /// Whether the part rises, from the side that the place lies on, over the plane that touches both that
+    /// side and the rim.
+    fn grows_inward(&self, jet: &Jet, lower: &LowerPoint) -> bool {
+        let across = |t: f64| t <= 0.0 || t >= 1.0;
+        let (t, d) = if across(self.place[0]) { (self.place[0], &jet.du) } else { (self.place[1], &jet.dv) };
+        let rise = d.z - lower.gradient.dot(&d.xy());
+        rise.abs() > HELD_SLOPE * d.norm() && !is_blocked(t, rise)
     }
 
     /// The derivative along the side that the place lies on; `None` within the part, and in its corners.
@@ -182,7 +196,7 @@ impl<'a> Climb<'a> {
             return false;
         }
         // Where a side holds the search back, the surface's tangent plane does not determine the contact.
-        let is_held = self.over.as_ref().is_some_and(|over| self.is_held(jet, over));
+        let is_held = !self.leaves_side && self.over.as_ref().is_some_and(|over| self.is_held(jet, over));
         let by_tangent =
             (!is_held).then(|| self.by_tangent(jet)).flatten().filter(|next| self.is_inside(next));
         let next = by_tangent.or_else(|| self.by_lift(jet)).or_else(|| self.by_tangent(jet));

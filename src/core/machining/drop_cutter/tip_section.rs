@@ -3,6 +3,7 @@
 //!
 //! A *section* is a connected curve of tips. It runs where the cutter is tangent to the surface, or touches a
 //! sharp edge inside the surface. It ends where the cutter touches only an edge at which the surface ends.
+//! [`TipSections::chains_over_edges`] lets it run on over edges.
 //!
 //! # Method
 //! By bisection, divide the line into three kinds of stretches: stretches whose tips are proved to be near a
@@ -11,6 +12,7 @@
 //! # Cost
 //! O(n) for n points: some ten microseconds each on a grid of 60 x 60, at a chord height of 6e-4 mm.
 
+mod counting;
 mod trace;
 
 use nalgebra::Point3;
@@ -20,6 +22,7 @@ use super::edge_contacts::{Sides, position};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::patch::Patch;
 use crate::machining::offset_section::{Chain, PlaneAt, SectionError, Spacing};
+use counting::Counting;
 use trace::{Trace, WALL_MM};
 
 /// Share of the radius by which the searched range is shortened at both ends. Beyond it the cutter only just
@@ -59,7 +62,31 @@ impl<'a, P: Patch> TipSections<'a, P> {
         spacing: Spacing,
         budget: &Budget,
     ) -> Result<Vec<Chain>, SectionError> {
-        let (found, beside) = self.found(plane, spacing, budget)?;
+        self.chains_where(Counting::Touching, plane, spacing, budget)
+    }
+
+    /// As [`Self::chains`], for a cutter that may touch edges of the surface alone: it rolls over them where
+    /// the contact is not steep, and while the axis is between the ends of the surface's box along the line.
+    ///
+    /// # Errors
+    /// As for [`Self::chains`].
+    pub fn chains_over_edges(
+        &self,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Vec<Chain>, SectionError> {
+        self.chains_where(Counting::Rolling, plane, spacing, budget)
+    }
+
+    fn chains_where(
+        &self,
+        counting: Counting,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Vec<Chain>, SectionError> {
+        let (found, beside) = self.found(counting, plane, spacing, budget)?;
         let chord_height_mm = spacing.chord_height_mm + 2.0 * WALL_MM + beside;
         let chain = |points| Chain { points, chord_height_mm };
         Ok(found.into_iter().map(chain).collect())
@@ -68,16 +95,27 @@ impl<'a, P: Patch> TipSections<'a, P> {
     /// The sections, and how far beside the plane they were traced, mm. Over some planes the cutter only
     /// grazes a wall, and rounding decides on which side of the wall it is. There the sections are traced a
     /// little beside the plane on both sides, and the lower ones are taken.
-    fn found(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Found, SectionError> {
-        let mut trace = Trace::new(self, plane, spacing, budget);
+    fn found(
+        &self,
+        counting: Counting,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Found, SectionError> {
+        let mut trace = Trace::new(self, counting, plane, spacing, budget);
         if trace.all()? {
             return Ok((trace.chains, 0.0));
         }
         let beside = BESIDE * self.contacts.cutter.radius();
         let mut lowest: Option<(f64, Vec<Vec<Point3<f64>>>)> = None;
         for by in [beside, -beside] {
-            let mut trace =
-                Trace::new(self, PlaneAt { traced_at: plane.traced_at + by, ..plane }, spacing, budget);
+            let mut trace = Trace::new(
+                self,
+                counting,
+                PlaneAt { traced_at: plane.traced_at + by, ..plane },
+                spacing,
+                budget,
+            );
             let is_all = trace.all()?;
             let height = trace.chains.iter().flatten().map(|point| point.z).fold(f64::INFINITY, f64::min);
             if is_all && !trace.chains.is_empty() && lowest.as_ref().is_none_or(|(least, _)| height < *least)
@@ -88,7 +126,7 @@ impl<'a, P: Patch> TipSections<'a, P> {
         if let Some((_, chains)) = lowest {
             return Ok((chains, beside));
         }
-        let mut trace = Trace::new(self, plane, spacing, budget);
+        let mut trace = Trace::new(self, counting, plane, spacing, budget);
         trace.all_jumps()?;
         Ok((trace.chains, 0.0))
     }
@@ -98,7 +136,7 @@ impl<'a, P: Patch> TipSections<'a, P> {
     /// # Errors
     /// As for [`Self::chains`].
     pub fn has_any(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<bool, SectionError> {
-        Trace::new(self, plane, spacing, budget).has_any()
+        Trace::new(self, Counting::Touching, plane, spacing, budget).has_any()
     }
 
     /// The range of positions along a line at which the cutter may touch the surface, mm.

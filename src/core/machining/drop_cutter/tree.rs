@@ -1,11 +1,20 @@
 //! The parts into which a surface is divided for the search of contacts: small subpatches, in a hierarchy of
 //! boxes. Each part has its own bounds of place and derivatives.
+//!
+//! A search halves parts further. The halves are kept for later searches, which mostly need the same halves:
+//! the cutter has moved little. They do not change the answers, only the time.
+
+use std::ops::Deref;
+use std::rc::Rc;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{Vector2, Vector3};
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::bounding_tree::{BoundingTree, Visitor, Volume};
 use crate::geometry::surface::patch::{Bounds, DerivativeBounds, Patch};
+use crate::geometry::surface::vector_ball::VectorBall;
 use crate::geometry::surface::{BezierSurface, PatchRange, Surface};
 
 /// Size of the parts, as a share of the cutter's radius. Parts are larger if this size makes too many.
@@ -32,16 +41,22 @@ const ROUNDING: f64 = 2e-13;
 /// Share that is more than enough for the rounding of such a sum at one point.
 const NEARLY: f64 = 1e-9;
 
+/// Most memory for halves that are kept, bytes. Halves beyond it are made again for each search: with less
+/// memory the searches of a long job get slower, with more a request takes memory from others.
+const KEPT_BYTES: usize = 32 << 20;
+
 /// A part of a patch, over a unit square of its own.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct SubPatch<P> {
     pub(super) patch: P,
     pub(super) bounds: Bounds,
     /// The middle of the part's box in plan; `half_diagonal` is half the diagonal of the box in plan, mm.
     pub(super) center: Vector2<f64>,
     pub(super) half_diagonal: f64,
-    /// Bounds of the derivatives: stored for the parts of the tree, computed on demand for their halves.
-    bends: Option<Bends>,
+    /// Bounds of the derivatives, once a search has needed them.
+    bends: OnceLock<Bends>,
+    /// The halves, once a search has needed and kept them.
+    halves: OnceLock<Box<[SubPatch<P>; 2]>>,
     /// The parameters of the surface at the part's start.
     pub(super) start: [f64; 2],
     /// How much the parameters of the surface grow over the part, each way.
@@ -56,18 +71,36 @@ pub(super) struct SubPatch<P> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bends {
     pub(super) derivatives: DerivativeBounds,
-    /// Lengths in plan of the first derivatives, at the centres of their bounds.
-    pub(super) first: [f64; 2],
-    /// Largest lengths of the second derivatives: by u twice, by u and v, by v twice.
+    /// The first derivatives in plan, by u and by v.
+    pub(super) first: [PlanBall; 2],
+    /// Largest lengths in plan of the second derivatives: by u twice, by u and v, by v twice.
     pub(super) second: [f64; 3],
+}
+
+/// Every vector in plan within `radius` of `center`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlanBall {
+    pub(super) center: Vector2<f64>,
+    pub(super) radius: f64,
 }
 
 impl Bends {
     fn of(patch: &impl Patch) -> Self {
         let derivatives = patch.derivatives();
         let DerivativeBounds { du, dv, duu, duv, dvv } = &derivatives;
-        let first = [du, dv].map(|ball| ball.center.xy().norm());
-        let second = [duu, duv, dvv].map(|ball| ball.reach());
+        let second = [duu, duv, dvv].map(|ball| ball.center.xy().norm() + ball.radius);
+        // No place is farther than 1/2 from the centre, along u and along v.
+        let [by_u, by_both, by_v] = second.map(|most| 0.5 * most);
+        let jet = patch.jet(0.5, 0.5);
+        let in_plan = |ball: &VectorBall, at_center: &Vector3<f64>, change: f64| {
+            let changed = PlanBall { center: at_center.xy(), radius: change };
+            if change < ball.radius {
+                changed
+            } else {
+                PlanBall { center: ball.center.xy(), radius: ball.radius }
+            }
+        };
+        let first = [in_plan(du, &jet.du, by_u + by_both), in_plan(dv, &jet.dv, by_both + by_v)];
         Self { derivatives, first, second }
     }
 }
@@ -82,18 +115,24 @@ impl<P: Patch> SubPatch<P> {
         let outward = normal.xy().try_normalize(LEVEL_SHARE * normal.norm());
         let is_steep = normal.xy().norm() > LEAST_STEEPNESS * normal.z.abs();
         let facing = outward.filter(|_| is_steep);
-        Self { patch, bounds, center, half_diagonal, bends: None, start, scale, outward, facing }
+        let (bends, halves) = (OnceLock::new(), OnceLock::new());
+        Self { patch, bounds, center, half_diagonal, bends, halves, start, scale, outward, facing }
     }
 
     /// Bounds of the derivatives.
-    pub(super) fn bends(&self) -> Bends {
-        self.bends.unwrap_or_else(|| Bends::of(&self.patch))
+    pub(super) fn bends(&self) -> &Bends {
+        self.bends.get_or_init(|| Bends::of(&self.patch))
+    }
+
+    /// The direction across which the part is halved, the longer one: 0 for u, 1 for v.
+    fn longer(&self) -> usize {
+        let [along_u, along_v] = self.patch.extents();
+        usize::from(along_u < along_v)
     }
 
     /// The halves across the longer direction.
-    pub(super) fn halves(&self) -> [Self; 2] {
-        let [along_u, along_v] = self.patch.extents();
-        let axis = usize::from(along_u < along_v);
+    fn cut(&self) -> [Self; 2] {
+        let axis = self.longer();
         let patches = if axis == 0 { self.patch.split_u() } else { self.patch.split_v() };
         let mut scale = self.scale;
         scale[axis] *= 0.5;
@@ -152,6 +191,24 @@ impl<P: Patch> SubPatch<P> {
     }
 }
 
+/// A part that the tree keeps, or one that only a single search needs.
+#[derive(Debug, Clone)]
+pub(super) enum Held<'t, P> {
+    Kept(&'t SubPatch<P>),
+    Own(Rc<SubPatch<P>>),
+}
+
+impl<P> Deref for Held<'_, P> {
+    type Target = SubPatch<P>;
+
+    fn deref(&self) -> &SubPatch<P> {
+        match self {
+            Self::Kept(part) => part,
+            Self::Own(part) => part,
+        }
+    }
+}
+
 /// A box, and a plane above everything in the box.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cover {
@@ -196,6 +253,19 @@ pub(super) struct Tree<P> {
     /// The hierarchy of covers over the indices of the parts.
     covers: BoundingTree<Cover, usize>,
     pub(super) parts: Vec<SubPatch<P>>,
+    /// How each patch is divided into parts.
+    divisions: Vec<Division>,
+    /// For each patch the index of its whole division.
+    roots: Vec<usize>,
+    /// Number of parts whose halves are kept, or are to be kept.
+    n_kept: AtomicUsize,
+}
+
+/// A range of a patch: one part, or two ranges that meet where the parameter along `axis` is `middle`.
+#[derive(Debug)]
+enum Division {
+    Part(usize),
+    Halved { axis: usize, middle: f64, halves: [usize; 2] },
 }
 
 impl<P: Patch> Tree<P> {
@@ -203,7 +273,13 @@ impl<P: Patch> Tree<P> {
     pub(super) fn new(surface: &BezierSurface<P>, radius: f64, budget: &Budget) -> Result<Self, Stopped> {
         let area: f64 = surface.patches().iter().map(|p| p.extents()).map(|[u, v]| u * v).sum();
         let size = (PART_SIZE * radius).max((area / PART_LIMIT as f64).sqrt());
-        let mut tree = Self { covers: BoundingTree::default(), parts: Vec::new() };
+        let mut tree = Self {
+            covers: BoundingTree::default(),
+            parts: Vec::new(),
+            divisions: Vec::new(),
+            roots: vec![0; surface.patches().len()],
+            n_kept: AtomicUsize::new(0),
+        };
         tree.add_patches(surface, PatchRange::all(surface.spans()), size, budget)?;
         Ok(tree)
     }
@@ -219,21 +295,76 @@ impl<P: Patch> Tree<P> {
             budget.check()?;
             let (i, j) = (range.i[0], range.j[0]);
             let part = SubPatch::new(*surface.patch(i, j), [i as f64, j as f64], [1.0, 1.0]);
-            return Ok(self.add_part(part, size, DEPTH_LIMIT));
+            let [node, root] = self.add_part(part, size, DEPTH_LIMIT);
+            self.roots[i * surface.spans()[1] + j] = root;
+            return Ok(node);
         };
         let first = self.add_patches(surface, first, size, budget)?;
         let second = self.add_patches(surface, second, size, budget)?;
         Ok(self.covers.join([first, second]))
     }
 
-    fn add_part(&mut self, part: SubPatch<P>, size: f64, depth: u32) -> usize {
+    /// Adds a part, or its subparts if it is too large. Returns the indices of the cover's node and of the
+    /// division.
+    fn add_part(&mut self, part: SubPatch<P>, size: f64, depth: u32) -> [usize; 2] {
         let [along_u, along_v] = part.patch.extents();
         if depth == 0 || along_u.max(along_v) <= size || self.parts.len() >= 4 * PART_LIMIT {
-            self.parts.push(SubPatch { bends: Some(part.bends()), ..part });
-            return self.covers.add(Cover::of(&part), self.parts.len() - 1);
+            let cover = Cover::of(&part);
+            self.parts.push(part);
+            self.divisions.push(Division::Part(self.parts.len() - 1));
+            return [self.covers.add(cover, self.parts.len() - 1), self.divisions.len() - 1];
         }
-        let halves = part.halves().map(|half| self.add_part(half, size, depth - 1));
-        self.covers.join(halves)
+        let (axis, halves) = (part.longer(), part.cut());
+        let middle = halves[1].start[axis];
+        let [first, second] = halves.map(|half| self.add_part(half, size, depth - 1));
+        self.divisions.push(Division::Halved { axis, middle, halves: [first[1], second[1]] });
+        [self.covers.join([first[0], second[0]]), self.divisions.len() - 1]
+    }
+
+    /// The halves of a part across its longer direction.
+    pub(super) fn halves<'t>(&'t self, part: &Held<'t, P>) -> [Held<'t, P>; 2] {
+        if let Held::Kept(part) = part {
+            let has_room = || {
+                let most = KEPT_BYTES / (2 * size_of::<SubPatch<P>>());
+                self.n_kept.fetch_add(1, Ordering::Relaxed) < most
+            };
+            if part.halves.get().is_some() || has_room() {
+                return part.halves.get_or_init(|| Box::new(part.cut())).each_ref().map(Held::Kept);
+            }
+        }
+        part.cut().map(|half| Held::Own(Rc::new(half)))
+    }
+
+    /// Shows `look` parts of a patch that together contain the range from `low` to `high` of the surface's
+    /// parameters. A part for which `look` returns `false` is halved, up to `most` times.
+    pub(super) fn over_range(
+        &self,
+        patch: usize,
+        [low, high]: [[f64; 2]; 2],
+        most: u32,
+        look: &mut impl FnMut(&SubPatch<P>, bool) -> bool,
+    ) {
+        let mut open = vec![self.roots[patch]];
+        while let Some(k) = open.pop() {
+            match self.divisions[k] {
+                Division::Part(part) => {
+                    let mut parts = vec![(Held::Kept(&self.parts[part]), most)];
+                    while let Some((part, most)) = parts.pop() {
+                        if !look(&part, most == 0) {
+                            let axis = part.longer();
+                            let middle = part.start[axis] + 0.5 * part.scale[axis];
+                            let [first, second] = self.halves(&part);
+                            parts.extend((low[axis] <= middle).then_some((first, most - 1)));
+                            parts.extend((high[axis] >= middle).then_some((second, most - 1)));
+                        }
+                    }
+                }
+                Division::Halved { axis, middle, halves: [first, second] } => {
+                    open.extend((low[axis] <= middle).then_some(first));
+                    open.extend((high[axis] >= middle).then_some(second));
+                }
+            }
+        }
     }
 
     /// The box of the whole surface.
@@ -242,29 +373,29 @@ impl<P: Patch> Tree<P> {
     }
 
     /// Shows the visitor the parts that may matter to it, the more promising parts first.
-    pub(super) fn visit<V: PartVisitor<P>>(&self, visitor: &mut V) {
+    pub(super) fn visit<'t, V: PartVisitor<'t, P>>(&'t self, visitor: &mut V) {
         self.covers.search(&mut OfParts { parts: &self.parts, visitor });
     }
 }
 
 /// A search among parts.
-pub(super) trait PartVisitor<P> {
+pub(super) trait PartVisitor<'t, P> {
     /// Upper bound of what may be found under a cover.
     fn promise(&self, cover: &Cover) -> f64;
 
     /// Whether a promise no longer matters.
     fn is_settled(&self, promise: f64) -> bool;
 
-    fn visit(&mut self, part: &SubPatch<P>, promise: f64);
+    fn visit(&mut self, part: Held<'t, P>, promise: f64);
 }
 
 /// A search for indices of parts.
-struct OfParts<'a, P, V> {
-    parts: &'a [SubPatch<P>],
-    visitor: &'a mut V,
+struct OfParts<'t, 'v, P, V> {
+    parts: &'t [SubPatch<P>],
+    visitor: &'v mut V,
 }
 
-impl<P, V: PartVisitor<P>> Visitor<Cover, usize> for OfParts<'_, P, V> {
+impl<'t, P, V: PartVisitor<'t, P>> Visitor<Cover, usize> for OfParts<'t, '_, P, V> {
     fn promise(&self, cover: &Cover) -> f64 {
         self.visitor.promise(cover)
     }
@@ -274,6 +405,6 @@ impl<P, V: PartVisitor<P>> Visitor<Cover, usize> for OfParts<'_, P, V> {
     }
 
     fn visit(&mut self, part: &usize, promise: f64) {
-        self.visitor.visit(&self.parts[*part], promise);
+        self.visitor.visit(Held::Kept(&self.parts[*part]), promise);
     }
 }

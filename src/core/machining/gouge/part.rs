@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::geometry::surface::topology::Topology;
 use crate::geometry::surface::{BezierSurface, Patch, Surface};
 
 /// A part is upright where the z coordinate of its unit normal is smaller than this.
@@ -87,7 +88,8 @@ impl<P: Patch> SubPatch<P> {
     }
 }
 
-/// The edges of every patch, in the order of [`BezierSurface::patches`].
+/// The edges of every patch, in the order of [`BezierSurface::patches`]. A seam with a kink is an edge of the
+/// patches on both sides.
 pub(super) fn edges<P: Patch>(surface: &BezierSurface<P>) -> Vec<Sides> {
     let [nu, nv] = surface.spans();
     let mut edges = vec![[false; 4]; nu * nv];
@@ -111,6 +113,14 @@ pub(super) fn edges<P: Patch>(surface: &BezierSurface<P>) -> Vec<Sides> {
                 (edges[i * nv + j][3], edges[i * nv + j + 1][2]) = (true, true);
             }
         }
+    }
+    let [kink_u, kink_v] =
+        Topology::of(surface).seams().map(|seam| seam.is_some_and(|seam| !seam.is_smooth()));
+    for j in (0..nv).filter(|_| kink_u) {
+        (edges[j][0], edges[(nu - 1) * nv + j][1]) = (true, true);
+    }
+    for i in (0..nu).filter(|_| kink_v) {
+        (edges[i * nv][2], edges[i * nv + nv - 1][3]) = (true, true);
     }
     edges
 }

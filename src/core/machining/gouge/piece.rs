@@ -19,23 +19,23 @@ const PIECE_LIMIT: f64 = 1e5;
 
 /// The curves for which bounds exist: a line, or an arc in its plane.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum PieceCurve {
+pub(in crate::machining) enum PieceCurve {
     Line(Line),
     Arc(Arc),
 }
 
 /// A part of the centre's path.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PathPiece {
-    pub(super) track: PieceCurve,
+pub(in crate::machining) struct PathPiece {
+    pub(in crate::machining) track: PieceCurve,
     /// How far the true path may leave the track, mm.
-    pub(super) slack: f64,
+    pub(in crate::machining) slack: f64,
 }
 
 /// The path of the corner circle's centre, `rise` mm above the tip, while the tip follows `tip`. It is cut
 /// into pieces of at most `length` mm. A helix or a parabola becomes chords with a height of about
 /// `chord_height` mm. The distance of the chords from the curve is added to the slack.
-pub(super) fn pieces(
+pub(in crate::machining) fn pieces(
     tip: &Curve,
     rise: f64,
     length: f64,
@@ -89,14 +89,14 @@ fn raised(curve: &Curve, by: f64) -> Curve {
 }
 
 impl PieceCurve {
-    fn start(&self) -> Vector3<f64> {
+    pub(in crate::machining) fn start(&self) -> Vector3<f64> {
         match self {
             PieceCurve::Line(line) => line.start.coords,
             PieceCurve::Arc(arc) => arc.start().coords,
         }
     }
 
-    fn end(&self) -> Vector3<f64> {
+    pub(in crate::machining) fn end(&self) -> Vector3<f64> {
         match self {
             PieceCurve::Line(line) => line.end.coords,
             PieceCurve::Arc(arc) => arc.end().coords,
@@ -105,14 +105,14 @@ impl PieceCurve {
 }
 
 impl PathPiece {
-    pub(super) fn length(&self) -> f64 {
+    pub(in crate::machining) fn length(&self) -> f64 {
         match &self.track {
             PieceCurve::Line(line) => line.length(),
             PieceCurve::Arc(arc) => arc.length(),
         }
     }
 
-    pub(super) fn halves(&self) -> [PathPiece; 2] {
+    pub(in crate::machining) fn halves(&self) -> [PathPiece; 2] {
         let part = |from: f64, to: f64| match &self.track {
             PieceCurve::Line(line) => {
                 PieceCurve::Line(Line { start: line.point_at(from), end: line.point_at(to) })
@@ -123,7 +123,7 @@ impl PathPiece {
     }
 
     /// The largest coordinate along `direction` over the track.
-    pub(super) fn support(&self, direction: &Vector3<f64>) -> f64 {
+    pub(in crate::machining) fn support(&self, direction: &Vector3<f64>) -> f64 {
         match &self.track {
             PieceCurve::Line(line) => line.support(direction),
             PieceCurve::Arc(arc) => arc.support(direction),
@@ -132,7 +132,7 @@ impl PathPiece {
 
     /// A point of the track. A level disc of radius `flat` mm about that point is at or near its least
     /// distance from `p`.
-    pub(super) fn nearest(&self, p: &Vector3<f64>, flat: f64) -> Vector3<f64> {
+    pub(in crate::machining) fn nearest(&self, p: &Vector3<f64>, flat: f64) -> Vector3<f64> {
         let mut nearest = self.nearest_point(p);
         if flat > 0.0 {
             for _ in 0..DISC_STEPS {
@@ -159,18 +159,18 @@ impl PathPiece {
     }
 
     /// The largest depth of `p` in the cutter at `nearest` and at the ends of the piece, mm.
-    pub(super) fn depth(&self, solid: &Solid, p: &Vector3<f64>, nearest: &Vector3<f64>) -> f64 {
+    pub(in crate::machining) fn depth(&self, solid: &Solid, p: &Vector3<f64>, nearest: &Vector3<f64>) -> f64 {
         let at = [*nearest, self.track.start(), self.track.end()];
         at.iter().map(|c| solid.depth(&(p - c))).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The extent of the track along `m`, mm.
-    pub(super) fn spread(&self, m: &Vector3<f64>) -> f64 {
+    pub(in crate::machining) fn spread(&self, m: &Vector3<f64>) -> f64 {
         self.support(m) + self.support(&-m)
     }
 
     /// A box that holds every surface point the cutter may touch.
-    pub(super) fn reach(&self, solid: &Solid) -> Bounds {
+    pub(in crate::machining) fn reach(&self, solid: &Solid) -> Bounds {
         let mut bounds = Bounds { min: Vector3::zeros(), max: Vector3::zeros() };
         for c in 0..3 {
             let unit = Vector3::ith(c, 1.0);
@@ -183,7 +183,7 @@ impl PathPiece {
     }
 
     /// The largest absolute coordinate that bounds for the piece are computed from.
-    pub(super) fn magnitude(&self) -> f64 {
+    pub(in crate::machining) fn magnitude(&self) -> f64 {
         let ends = self.track.start().amax().max(self.track.end().amax());
         match &self.track {
             PieceCurve::Line(_) => ends,

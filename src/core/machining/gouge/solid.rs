@@ -18,37 +18,37 @@ const LEAST_SIDEWAYS: f64 = 0.02;
 
 /// A cutter: a disc of radius `flat` mm, rounded by `corner` mm all around, with its shank.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Solid {
-    pub(super) flat: f64,
-    pub(super) corner: f64,
+pub(in crate::machining) struct Solid {
+    pub(in crate::machining) flat: f64,
+    pub(in crate::machining) corner: f64,
 }
 
 /// A ball cutter that contains another cutter: its radius, and how far its centre lies above C, mm.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct BallAround {
-    pub(super) radius: f64,
-    pub(super) rise: f64,
+pub(in crate::machining) struct BallAround {
+    pub(in crate::machining) radius: f64,
+    pub(in crate::machining) rise: f64,
 }
 
 impl Solid {
-    pub(super) fn radius(&self) -> f64 {
+    pub(in crate::machining) fn radius(&self) -> f64 {
         self.flat + self.corner
     }
 
     /// How far the cutter reaches from C along a unit vector that does not point up, mm.
-    pub(super) fn reach(&self, m: &Vector3<f64>) -> f64 {
+    pub(in crate::machining) fn reach(&self, m: &Vector3<f64>) -> f64 {
         self.flat * m.xy().norm() + self.corner
     }
 
     /// The point of the cutter that is farthest along `m`, seen from C.
-    pub(super) fn farthest(&self, m: &Vector3<f64>) -> Vector3<f64> {
+    pub(in crate::machining) fn farthest(&self, m: &Vector3<f64>) -> Vector3<f64> {
         let sideways = m.xy().try_normalize(0.0).unwrap_or_default() * self.flat;
         Vector3::new(sideways.x, sideways.y, 0.0) + m * self.corner
     }
 
     /// How deep the point at `off` from C lies in the cutter, mm: its distance from the outside, negative
     /// outside.
-    pub(super) fn depth(&self, off: &Vector3<f64>) -> f64 {
+    pub(in crate::machining) fn depth(&self, off: &Vector3<f64>) -> f64 {
         let out = off.xy().norm() - self.flat;
         match (out > 0.0, off.z < 0.0) {
             (true, true) => self.corner - out.hypot(off.z),
@@ -59,7 +59,7 @@ impl Solid {
     }
 
     /// The unit vector from the core to the point at `off` from C; `None` in the core.
-    pub(super) fn away_from_core(&self, off: &Vector3<f64>) -> Option<Vector3<f64>> {
+    pub(in crate::machining) fn away_from_core(&self, off: &Vector3<f64>) -> Option<Vector3<f64>> {
         let distance = off.xy().norm();
         let share = if distance > self.flat { 1.0 - self.flat / distance } else { 0.0 };
         Vector3::new(off.x * share, off.y * share, off.z.min(0.0)).try_normalize(0.0)
@@ -68,7 +68,7 @@ impl Solid {
     /// A ball cutter that contains this cutter and touches it along the circle where its lower side faces
     /// along `m`. The ball's centre is the point of the axis from which the disc's edge lies in the direction
     /// of `m`. `None` where the ball would bound no better than a plane.
-    pub(super) fn ball_around(&self, m: &Vector3<f64>) -> Option<BallAround> {
+    pub(in crate::machining) fn ball_around(&self, m: &Vector3<f64>) -> Option<BallAround> {
         if self.flat == 0.0 {
             return Some(BallAround { radius: self.corner, rise: 0.0 });
         }

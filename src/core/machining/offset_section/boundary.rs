@@ -39,6 +39,17 @@ impl BoundaryPoint {
         }
     }
 
+    /// The parameter that is constant along the side (0 is u, 1 is v), and whether it has its least value
+    /// there.
+    pub(super) fn side(&self) -> (usize, bool) {
+        match self.side {
+            Side::LowU => (0, true),
+            Side::HighU => (0, false),
+            Side::LowV => (1, true),
+            Side::HighV => (1, false),
+        }
+    }
+
     /// The direction (du, dv) into the surface.
     pub(super) fn inward(&self) -> (f64, f64) {
         match self.side {
@@ -88,6 +99,13 @@ impl Boundary {
     pub(super) fn crossings(&self, surface: &dyn Surface, at: f64) -> Vec<BoundaryPoint> {
         let crossed = self.stretches.iter().filter(|s| (s.value[0] < at) != (s.value[1] < at));
         crossed.map(|s| self.root(surface, s, at)).collect()
+    }
+
+    /// Whether a stretch of a side across the parameter `across` (0 is u, 1 is v) lies within `reach` mm of
+    /// the value `at`.
+    pub(super) fn lies_at(&self, across: usize, at: f64, reach: f64) -> bool {
+        let is_across = |s: &MonotoneRange| matches!(s.side, Side::LowU | Side::HighU) == (across == 0);
+        self.stretches.iter().any(|s| is_across(s) && s.value.iter().all(|value| (value - at).abs() <= reach))
     }
 
     /// The crossing of the value `at` on the side through which the step from `inside` to `outside`

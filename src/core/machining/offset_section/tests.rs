@@ -89,3 +89,32 @@ fn chord_height_is_that_of_the_circle() {
     assert!((chord_height(chord, 1.0 / r) - r * (1.0 - half.cos())).abs() < 1e-12);
     assert_eq!(chord_height(21.0, 0.1), f64::INFINITY);
 }
+
+#[test]
+fn sections_go_on_across_a_seam_and_lie_in_it() {
+    // A cone closed around its axis, whose seam is the line y = 0, x > 0 turned by `turned`.
+    for turned in [0.0, 0.6, std::f64::consts::FRAC_PI_2] {
+        let row = |k: usize| {
+            let (sin, cos) = (turned + std::f64::consts::TAU * (k % 48) as f64 / 48.0).sin_cos();
+            [30.0, 24.0, 18.0, 12.0].map(|r| Point3::new(r * cos, r * sin, 0.5 * (30.0 - r))).to_vec()
+        };
+        let points = (0..=48).map(row).collect();
+        let grid = PointGrid { points, twist: Twist::Spline, ends: Ends::NotAKnot };
+        let surface = grid.surface().unwrap().upward();
+        let regularity = prove(&surface, 0.0, 1);
+        let sections = sections(&surface, 0.0, 1, &regularity);
+        for at in [0.0, 1e-7, 4.0, -11.0, 20.0] {
+            let chains = sections.chains(PlaneAt::new(at), SPACING, &Budget::unlimited()).unwrap();
+            let half = |r: f64| (r * r - at * at).max(0.0).sqrt();
+            let n = if f64::abs(at) < 12.0 { 2 } else { 1 };
+            assert_eq!(chains.len(), n, "seam at {turned}, plane at {at}");
+            for chain in chains {
+                let ends = [&chain.points[0], &chain.points[chain.points.len() - 1]].map(|p| p.x.abs());
+                let expected = if n == 2 { half(12.0) } else { half(30.0) };
+                assert!((ends[0].max(ends[1]) - half(30.0)).abs() < 0.02, "{turned} {at}: {ends:?}");
+                assert!((ends[0].min(ends[1]) - expected).abs() < 0.02, "{turned} {at}: {ends:?}");
+                assert!(chain.points.iter().all(|p| (p.y - at).abs() < 1e-8));
+            }
+        }
+    }
+}

@@ -6,8 +6,9 @@
 //!    curve.
 //! 2. From each place of layer k, find the longest element. The ends of these elements belong to layer k + 1.
 //! 3. Divide the curve between the farthest places of layers k and k + 1 into equal parts. Add each of these
-//!    places to layer k + 1 that an element from a place of layer k reaches. Near an inflection, an element
-//!    that starts there may reach farther than an element that starts at the farthest place.
+//!    places, and each corner of the curve between them, to layer k + 1 if an element from a place of layer k
+//!    reaches it. Near an inflection or at a corner, an element that starts there may reach farther than an
+//!    element that starts at the farthest place.
 //! 4. Repeat steps 2 and 3 for the next layer, until an element reaches the end of the curve. If the layers
 //!    become as many as the elements of greedy growth, nothing is gained, and these elements are kept.
 //!
@@ -23,7 +24,8 @@ use super::Error;
 use super::fit::{Fitted, Fitter};
 use crate::geometry::plane_curve::PlaneCurve;
 
-/// Equal steps behind the farthest place of a layer. A layer holds at most twice as many places.
+/// Equal steps behind the farthest place of a layer, and the most corners that are tried there. A layer holds
+/// at most three times as many places.
 const PLACES: usize = 12;
 
 /// A chain with more elements is left as it is.
@@ -70,8 +72,8 @@ pub fn fewer(fitter: &Fitter<impl PlaneCurve>, greedy: &[Fitted]) -> Result<Opti
             return Ok(proved(fitter, &layers));
         }
         let start = layer.iter().map(|place| place.t).fold(from, f64::max);
-        for j in 1..PLACES {
-            let t = farthest.t - (farthest.t - start) * (j as f64 / PLACES as f64);
+        let even = (1..PLACES).map(|j| farthest.t - (farthest.t - start) * (j as f64 / PLACES as f64));
+        for t in even.chain(fitter.corners([start, farthest.t]).take(PLACES)) {
             let fits = |place: &Reached| place.t < t && fitter.strain([place.t, t]) <= 1.0;
             if let Some(before) = layer.iter().position(fits) {
                 next.push(Reached { t, before });
@@ -80,7 +82,7 @@ pub fn fewer(fitter: &Fitter<impl PlaneCurve>, greedy: &[Fitted]) -> Result<Opti
         next.retain(|place| place.t > start);
         next.sort_by(|a, b| b.t.total_cmp(&a.t));
         next.dedup_by(|a, b| a.t == b.t);
-        next.truncate(2 * PLACES);
+        next.truncate(3 * PLACES);
         layers.push(next);
     }
     Ok(None)

@@ -7,9 +7,45 @@ use crate::geometry::plane_curve::PlaneCurve;
 /// A jump of the tangent by more than this sine makes a corner.
 const CORNER_SINE: f64 = 1e-3;
 
+/// Bisection steps to a corner: as many as lead from any length to neighbouring numbers.
+const CORNER_STEPS: usize = 64;
+
 /// The most corners that get a joint. A polyline with more points is no contour with corners, and its joints
 /// stay where they are.
 const MOST_CORNERS: usize = 10_000;
+
+impl<C: PlaneCurve> Fitter<'_, C> {
+    /// A corner of the curve between two parameters; `None` if none is found. A graph has no breaks: there
+    /// the corner is sought where the tangent turns most.
+    pub fn corner(&self, [mut low, mut high]: [f64; 2]) -> Option<f64> {
+        if !self.curve.is_graph() {
+            return self.corners([low, high]).last();
+        }
+        let direction = |t: f64| self.curve.derivative(t).normalize();
+        let (mut at_low, mut at_high) = (direction(low), direction(high));
+        for _ in 0..CORNER_STEPS {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high || (at_high - at_low).norm() <= CORNER_SINE {
+                break;
+            }
+            let at_middle = direction(middle);
+            if (at_middle - at_low).norm() >= (at_high - at_middle).norm() {
+                (high, at_high) = (middle, at_middle);
+            } else {
+                (low, at_low) = (middle, at_middle);
+            }
+        }
+        self.curve.has_corner(high, CORNER_SINE).then_some(high)
+    }
+
+    /// The corners of the curve between two parameters, the last one first.
+    pub fn corners(&self, [from, to]: [f64; 2]) -> impl Iterator<Item = f64> + use<'_, C> {
+        let breaks = self.curve.breaks();
+        let (first, last) = (breaks.partition_point(|t| *t <= from), breaks.partition_point(|t| *t < to));
+        let inside = &breaks[first..last.max(first)];
+        inside.iter().rev().copied().filter(|t| self.curve.has_corner(*t, CORNER_SINE))
+    }
+}
 
 /// Moves a joint to each corner that an element cuts off, where both elements at the joint then stay within
 /// the band.

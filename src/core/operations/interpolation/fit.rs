@@ -5,9 +5,10 @@ mod bow;
 
 use nalgebra::{Point2, Vector2};
 
+use super::band::BandAlong;
 use super::job::Method;
 use super::meter::Meter;
-use crate::geometry::arc_fit::{FLATTEST_MM, LARGEST_RADIUS_MM};
+use crate::geometry::arc_fit::FLATTEST_MM;
 use crate::geometry::deviation::{
     Band, Element, Ends, GUARD_MM, GUARD_PART, Measure, Spread, Verdict, judge,
 };
@@ -104,7 +105,11 @@ pub struct Fitted {
 pub struct Fitter<'a, C> {
     pub curve: &'a C,
     pub method: Method,
+    /// The band, with upper bounds of widths that change along the curve.
     pub band: Band,
+    pub along: &'a BandAlong,
+    /// The largest radius of an arc, mm.
+    pub largest_radius_mm: f64,
     pub element_limit: usize,
     pub meter: &'a Meter<'a>,
 }
@@ -115,7 +120,12 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     pub fn fit(&self, range: [f64; 2]) -> Option<Fitted> {
         self.method.shapes().iter().find_map(|shape| {
             let element = self.element(*shape, range)?;
-            match judge(self.curve, &element, range, Ends::OnCurve, &self.band) {
+            let verdict = if self.along.varies() {
+                judge(self.curve, &element, range, Ends::OnCurve, self.along)
+            } else {
+                judge(self.curve, &element, range, Ends::OnCurve, &self.band)
+            };
+            match verdict {
                 Verdict::Within(spread) => Some(Fitted { element, range, spread }),
                 Verdict::Outside { .. } | Verdict::Unproved { .. } => None,
             }
@@ -146,22 +156,32 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         }
         let sign = at_from.signum();
         let top = root(|t| sign * turned(t), [from, to], TOP_PART);
-        self.part(&line, self.distance(&line, top, 0.5))
+        self.part(&line, top, self.distance(&line, top, 0.5))
     }
 
     /// The share of the band that a deviation takes up, for a curve that lies `distance` mm to the left of an
     /// element. The band's side is widened by half of the rounding that proofs allow for.
-    fn part(&self, element: &Element, distance: f64) -> f64 {
-        let Band { below_mm, above_mm, .. } = self.band;
+    fn part(&self, element: &Element, t: f64, distance: f64) -> f64 {
+        let [below_mm, above_mm] = self.sides(t);
         let guard = GUARD_MM + 0.5 * GUARD_PART * element.magnitude();
         if distance > 0.0 { distance / (below_mm + guard) } else { -distance / (above_mm + guard) }
+    }
+
+    /// The widths of the band below and above at a parameter, mm.
+    fn sides(&self, t: f64) -> [f64; 2] {
+        if self.along.varies() { self.along.at(t) } else { [self.band.below_mm, self.band.above_mm] }
+    }
+
+    /// The widths in the middle of a range, for the choice of an element.
+    fn sides_of(&self, [from, to]: [f64; 2]) -> [f64; 2] {
+        self.sides(0.5 * (from + to))
     }
 
     /// Whether the narrow side of the band has no room for any element near `range`: if both sides were as
     /// wide as the wider one, an element [`HOPELESS_FACTOR`] times as long would fit.
     pub fn is_hopeless(&self, [from, to]: [f64; 2]) -> bool {
         let Band { below_mm, above_mm, .. } = self.band;
-        if below_mm.min(above_mm) > NO_ROOM_PART * below_mm.max(above_mm) {
+        if self.along.varies() || below_mm.min(above_mm) > NO_ROOM_PART * below_mm.max(above_mm) {
             return false;
         }
         let wide = below_mm.max(above_mm);
@@ -181,7 +201,7 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         }
         match shape {
             Shape::Line => Some(Segment::Line { start, end }.into()),
-            Shape::Parabola if self.is_lopsided() => {
+            Shape::Parabola if self.is_lopsided([from, to]) => {
                 let chord = (end - start).normalize();
                 let axis = if self.curve.is_graph() { Vector2::y() } else { Vector2::new(-chord.y, chord.x) };
                 let bows = Bow::Parabolas { start, end, axis };
@@ -197,14 +217,14 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     /// Whether one side of the band is narrower than the other. Then the paper's parabola, which meets the
     /// curve in its middle, wastes the wide side, and deviations to the narrow side are large only near the
     /// ends.
-    fn is_lopsided(&self) -> bool {
-        let Band { below_mm, above_mm, .. } = self.band;
+    fn is_lopsided(&self, range: [f64; 2]) -> bool {
+        let [below_mm, above_mm] = self.sides_of(range);
         below_mm.min(above_mm) < LOPSIDED_PART * below_mm.max(above_mm)
     }
 
     /// The places at which deviations are sampled, as shares of the range.
-    fn places(&self) -> &'static [f64] {
-        if self.is_lopsided() { &GRADED } else { &EVEN }
+    fn places(&self, range: [f64; 2]) -> &'static [f64] {
+        if self.is_lopsided(range) { &GRADED } else { &EVEN }
     }
 
     /// How far the curve lies to the left of `element` at `t`, mm.
@@ -227,9 +247,13 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     }
 
     fn strain_of(&self, element: &Element, [from, to]: [f64; 2]) -> f64 {
-        let at = |s: f64| self.part(element, self.distance(element, from + (to - from) * s, s));
+        let at = |s: f64| {
+            let t = from + (to - from) * s;
+            self.part(element, t, self.distance(element, t, s))
+        };
         // Other peaks that are nearly as high are left to the proof.
-        peak(at, self.places(), [0.0, 0.0], PEAK_STEPS).map_or(f64::INFINITY, |[_, most]| most.max(0.0))
+        peak(at, self.places([from, to]), [0.0, 0.0], PEAK_STEPS)
+            .map_or(f64::INFINITY, |[_, most]| most.max(0.0))
     }
 
     /// The arc whose deviations use both sides of the band alike; a line if the arc would be too flat to be
@@ -239,12 +263,12 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         let bows = Bow::Arcs { start, end };
         let bulge = self.best_bow(&bows, [from, to])?;
         let line = Segment::Line { start, end };
-        let (below, above) = (self.band.below_mm + GUARD_MM, self.band.above_mm + GUARD_MM);
+        let [below, above] = self.sides_of([from, to]).map(|mm| mm + GUARD_MM);
         let is_near = |s: &f64| {
             (-above..=below).contains(&line.foot(self.curve.point(from + (to - from) * s)).distance)
         };
-        let is_straight = self.places().iter().all(is_near);
-        let is_too_large = half * (1.0 + bulge * bulge) > 2.0 * bulge.abs() * LARGEST_RADIUS_MM;
+        let is_straight = self.places([from, to]).iter().all(is_near);
+        let is_too_large = half * (1.0 + bulge * bulge) > 2.0 * bulge.abs() * self.largest_radius_mm;
         if is_too_large || (is_straight && (bulge * half).abs() < FLATTEST_MM) {
             return Some(line.into());
         }
@@ -253,10 +277,10 @@ impl<C: PlaneCurve> Fitter<'_, C> {
 
     /// The bow whose deviations use both sides of the band alike; `None` if it is not finite.
     fn best_bow(&self, bows: &Bow, [from, to]: [f64; 2]) -> Option<f64> {
-        let Band { below_mm, above_mm, .. } = self.band;
+        let [below_mm, above_mm] = self.sides_of([from, to]);
         let point = |s: f64| self.curve.point(from + (to - from) * s);
         if below_mm.min(above_mm) > NO_ROOM_PART * below_mm.max(above_mm) || below_mm == above_mm {
-            return self.balanced_bow(bows, point);
+            return self.balanced_bow(bows, [from, to], point);
         }
         // The least of the bows leaves the whole curve to the left of the element, the largest leaves it to
         // the right.
@@ -270,11 +294,12 @@ impl<C: PlaneCurve> Fitter<'_, C> {
     }
 
     /// As `best_bow`, for a band with room on both sides; `point` maps 0 to 1 to the points of the curve.
-    fn balanced_bow(&self, bows: &Bow, point: impl Fn(f64) -> Point2<f64>) -> Option<f64> {
-        let wide = self.band.below_mm.max(self.band.above_mm);
+    fn balanced_bow(&self, bows: &Bow, range: [f64; 2], point: impl Fn(f64) -> Point2<f64>) -> Option<f64> {
+        let sides = self.sides_of(range);
+        let wide = sides[0].max(sides[1]);
         // A very narrow side is not used up, because its deviations are not found exactly.
-        let [below, above] = [self.band.below_mm, self.band.above_mm]
-            .map(|mm| GUARD_MM + if mm < NARROW_PART * wide { NARROW_USE * mm } else { mm });
+        let [below, above] =
+            sides.map(|mm| GUARD_MM + if mm < NARROW_PART * wide { NARROW_USE * mm } else { mm });
         let balance = |points: &[Point2<f64>], part: f64| {
             let through: Vec<f64> = points.iter().map(|p| bows.through(*p)).collect();
             let low = through.iter().copied().fold(f64::INFINITY, f64::min);
@@ -290,8 +315,8 @@ impl<C: PlaneCurve> Fitter<'_, C> {
             };
             through.iter().all(|bow| bow.is_finite()).then(|| root(lack, [low, high], part))
         };
-        let mut points: Vec<Point2<f64>> = self.places().iter().map(|s| point(*s)).collect();
-        if !self.is_lopsided() {
+        let mut points: Vec<Point2<f64>> = self.places(range).iter().map(|s| point(*s)).collect();
+        if !self.is_lopsided(range) {
             return balance(&points, EVEN_BOW_PART);
         }
         let mut bow = balance(&points, FIRST_BOW_PART)?;

@@ -6,6 +6,7 @@ use crate::toolpath::cutting::CuttingRequest;
 use crate::toolpath::program::{Resolution, Units};
 use crate::toolpath::quantize::{Curves, Parabolas};
 
+pub use super::band::Widths;
 pub use super::meter::DEFAULT_STEP_LIMIT;
 pub use super::source::Source;
 
@@ -54,6 +55,8 @@ pub struct Job {
     /// The number of equal parts into which the domain is divided first, one or more.
     pub initial_elements: usize,
     pub band: Band,
+    /// The widths of the band that are functions of x. They replace those of `band`.
+    pub widths: Widths,
     /// The side and the radius (mm) of a cutter that runs beside the contour.
     pub compensation: Option<(Side, f64)>,
     /// Height of the contour, mm.
@@ -80,6 +83,7 @@ impl Job {
             subdivision,
             initial_elements: 1,
             band,
+            widths: Widths::default(),
             compensation: None,
             z_mm: 0.0,
             cutting: None,

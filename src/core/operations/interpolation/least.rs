@@ -8,7 +8,8 @@
 //!
 //! A longer element may stay within the band although a shorter one does not, unless the elements are lines
 //! on a convex part of the curve. Where this may happen, step 1 also tries longer elements. It also tries to
-//! move the last joint back, because the next element may then reach farther.
+//! move the last joint back, because the next element may then reach farther. An element that ends shortly
+//! before a break of the curve is extended to the break, where it then stays within the band.
 //!
 //! When the search has taken its share of the steps of the job (`meter`), step 1 ends with the first element
 //! that is proved. Joints are then not moved back.
@@ -41,6 +42,10 @@ const STRAIN_PART: f64 = 2e-7;
 /// Where proofs alone find a length, they find it to this share of itself: each further digit takes three or
 /// four proofs, and lengthens an element of a metre by a micrometre at most.
 const PROVED_LENGTH_PART: f64 = 1e-6;
+
+/// A corner this near beyond the end of an element, as a share of the element, is tried as its end. A search
+/// by samples stops shortly before a corner, by less than this.
+const NEAR_CORNER_PART: f64 = 1e-2;
 
 /// An element with an earlier start is tried only if it may reach farther than the element that it replaces,
 /// by this share of that element. Smaller gains may be rounding of the search.
@@ -155,14 +160,23 @@ impl<C: PlaneCurve> Fitter<'_, C> {
         for part in SHORTER {
             self.meter.check()?;
             if let Some(fitted) = self.fit([from, end(length * (1.0 - part))]) {
-                return Ok(fitted);
+                return Ok(self.up_to_corner(fitted, most));
             }
         }
         if self.meter.has_steps_for_search() {
-            self.longest_proved([from, most], length)
+            Ok(self.up_to_corner(self.longest_proved([from, most], length)?, most))
         } else {
             self.first_proved([from, most], (HOPEFUL * guess).min(0.5 * length))
         }
+    }
+
+    /// The element itself, or the element up to a corner of the curve that lies shortly beyond its end, if
+    /// that one stays within the band. At a corner to the narrow side of the band, an element has to end on
+    /// the corner, and a search for a length does not meet it.
+    fn up_to_corner(&self, fitted: Fitted, most: f64) -> Fitted {
+        let [from, to] = fitted.range;
+        let near = self.corner([to, (to + NEAR_CORNER_PART * (to - from)).min(most)]);
+        near.and_then(|corner| self.fit([from, corner])).unwrap_or(fitted)
     }
 
     /// As `longest`, but by proofs alone: for curves whose deviation samples do not show.

@@ -2,10 +2,11 @@
 
 use nalgebra::{Point2, Point3};
 
+use super::band::BandAlong;
 use super::compensation::compensate;
 use super::fit::Fitter;
 use super::meter::{Meter, Metered};
-use super::{Error, Job, Method, ReportedElement, Warning, bisection, least};
+use super::{Error, Job, Method, ReportedElement, Warning, bisection, largest_radius, least};
 use crate::budget::Budget;
 use crate::geometry::curve::{Arc, Curve, Direction, Line, Parabola};
 use crate::geometry::deviation::{Element, Measure};
@@ -44,12 +45,13 @@ struct ProvedElement {
 
 pub fn path(
     curve: &impl PlaneCurve,
+    band: &BandAlong,
     elements: &[ReportedElement],
     job: &Job,
     budget: &Budget,
 ) -> Result<Path, Error> {
     let cutting = job.cutting.map(|cutting| cutting.above(TOP_MM.max(job.z_mm))).transpose()?;
-    let stretches = runnable(curve, elements, job, budget)?;
+    let stretches = runnable(curve, band, elements, job, budget)?;
     let mut warnings = Vec::new();
     let chains = match job.compensation {
         None => vec![stretches.iter().map(|stretch| stretch.element).collect()],
@@ -96,6 +98,7 @@ pub fn path(
 /// parabola; if it runs no arcs or arcs do not fit, lines do.
 fn runnable(
     curve: &impl PlaneCurve,
+    band: &BandAlong,
     elements: &[ReportedElement],
     job: &Job,
     budget: &Budget,
@@ -106,9 +109,11 @@ fn runnable(
     let limit = job.element_limit;
     for element in elements {
         let fitter = |method| Fitter {
+            largest_radius_mm: largest_radius(job),
             curve,
             method,
-            band: job.band,
+            band: band.widest,
+            along: band,
             element_limit: limit.saturating_sub(stretches.len()),
             meter: &meter,
         };

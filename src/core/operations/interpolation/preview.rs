@@ -4,7 +4,8 @@
 use nalgebra::{Point2, Vector2};
 
 use super::ReportedElement;
-use crate::geometry::deviation::{Band, Measure};
+use super::band::BandAlong;
+use crate::geometry::deviation::Measure;
 use crate::geometry::plane_curve::PlaneCurve;
 
 /// About how many points of the curve a picture has, and the least and the most for one element.
@@ -21,21 +22,22 @@ pub struct Sketch {
 }
 
 /// Samples the curve along its elements.
-pub fn sketch(curve: &impl PlaneCurve, band: &Band, elements: &[ReportedElement]) -> Sketch {
+pub fn sketch(curve: &impl PlaneCurve, band: &BandAlong, elements: &[ReportedElement]) -> Sketch {
     let (least, most) = POINTS_AN_ELEMENT;
     let each = (POINTS / elements.len().max(1)).clamp(least, most);
     let mut sketch = Sketch { curve: Vec::new(), band: [Vec::new(), Vec::new()], joints: Vec::new() };
     let mut take = |t: f64| {
         let point = curve.point(t);
-        let across = match band.measure {
+        let across = match band.widest.measure {
             Measure::Vertical => Vector2::y(),
             Measure::Normal => {
                 let along = curve.derivative(t);
                 Vector2::new(-along.y, along.x).try_normalize(0.0).unwrap_or_default()
             }
         };
+        let [below, above] = band.at(t);
         sketch.curve.push(point);
-        for (edge, offset) in sketch.band.iter_mut().zip([-band.below_mm, band.above_mm]) {
+        for (edge, offset) in sketch.band.iter_mut().zip([-below, above]) {
             edge.push(point + across * offset);
         }
     };

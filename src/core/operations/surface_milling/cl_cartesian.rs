@@ -4,13 +4,15 @@
 use super::deviation::{Deviation, Seam};
 use super::entries::{APPROACH_MM, Proofs};
 use super::job::CONTACT_SHARE;
+use super::leftover::{self, Material, Stepovers};
 use super::links::{self, Joined};
 use super::outline::Outline;
-use super::passes::{self, Allowed, CutPass, LeftOut, Passes};
+use super::passes::{self, Allowed, LeftOut, Passes};
 use super::planes::{ClCurves, ContactCurves, OffsetCurves, Slicer};
+use super::rest::Positions;
 use super::{
-    Boundary, CERTIFICATE_GAP, Engine, Error, Job, Plan, Report, Spacing, TOP_ACCURACY_MM, Warning,
-    certificate, data_warnings, rest, scallop,
+    Boundary, CERTIFICATE_GAP, Engine, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning, certificate,
+    counts, data_warnings, scallop,
 };
 use crate::budget::Budget;
 use crate::geometry::curve::Curve;
@@ -19,9 +21,9 @@ use crate::geometry::surface::patch::Bounds;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::drop_cutter::{Contacts, TipSections};
 use crate::machining::gouge::{GougeProof, Penetration};
-use crate::machining::offset_section::PlaneAt;
 use crate::machining::offset_section::Sections;
 use crate::machining::regularity::{self, Regularity, Slope};
+use crate::machining::uncut::{Left, Leftover};
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::Cutting;
 use crate::toolpath::tool::Shape;
@@ -42,11 +44,8 @@ const RIM_SHARE: f64 = 0.65;
 /// What the passes of a job are cut from.
 struct Found<'a, P> {
     curves: &'a dyn ClCurves,
-    /// Contacts of the cutter, for the search for rest; `None` with the engine `offset_section`.
-    contacts: Option<&'a Contacts<'a, P>>,
+    milled: &'a Milled<'a, P>,
     slopes: Vec<Slope>,
-    /// Whether `slopes` covers the whole surface and the cutter is proved to follow the surface everywhere.
-    is_followed: bool,
     seam: Seam,
     chord_height_share: f64,
     /// A job that needs more CL points is refused.
@@ -76,6 +75,14 @@ enum Choice {
     Contact(Option<Regularity>),
 }
 
+/// The surface of a job.
+struct Milled<'a, P> {
+    /// The part within its outline, without what `past` adds to it.
+    part: &'a BezierSurface<P>,
+    surface: &'a BezierSurface<P>,
+    contacts: &'a Contacts<'a, P>,
+}
+
 /// The offset of a surface that a ball cutter can follow everywhere.
 struct Offset {
     regularity: Regularity,
@@ -87,20 +94,17 @@ struct Offset {
 /// # Errors
 /// One of [`Error`]; no toolpath is returned with one.
 pub(super) fn plan<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    let part = surface.clone();
     let (surface, choice) = choose_engine(surface, job, budget)?;
+    let contacts = Contacts::new(&surface, job.cutter(), budget)?;
+    let milled = Milled { part: &part.upward(), surface: &surface, contacts: &contacts };
     match choice {
-        Choice::Offset(offset) => by_sections(&surface, &offset, None, job, budget),
-        Choice::OffsetIfClear(offset) => {
-            let contacts = Contacts::new(&surface, job.cutter(), budget)?;
-            match by_sections(&surface, &offset, Some(&contacts), job, budget) {
-                Err(error) if error.is_obstacle() => by_contact(&surface, &contacts, None, job, budget),
-                planned => planned,
-            }
-        }
-        Choice::Contact(regularity) => {
-            let contacts = Contacts::new(&surface, job.cutter(), budget)?;
-            by_contact(&surface, &contacts, regularity, job, budget)
-        }
+        Choice::Offset(offset) => by_sections(&milled, &offset, Depth::Tolerance, job, budget),
+        Choice::OffsetIfClear(offset) => match by_sections(&milled, &offset, Depth::Deviation, job, budget) {
+            Err(error) if error.is_obstacle() => by_contact(&milled, None, job, budget),
+            planned => planned,
+        },
+        Choice::Contact(regularity) => by_contact(&milled, regularity, job, budget),
     }
 }
 
@@ -144,47 +148,45 @@ fn proved<T>(proof: Result<T, Error>, is_needed: bool) -> Result<Option<T>, Erro
     }
 }
 
-/// Plans passes along sections of the offset. With `contacts` given, the passes stand for passes by contact
-/// and may cut no deeper than they deviate.
+/// Plans passes along sections of the offset. Where they stand for passes by contact, they may cut no deeper
+/// than they deviate.
 fn by_sections<P: Patch>(
-    surface: &BezierSurface<P>,
+    milled: &Milled<P>,
     offset: &Offset,
-    contacts: Option<&Contacts<P>>,
+    depth: Depth,
     job: &Job,
     budget: &Budget,
 ) -> Result<Plan, Error> {
     let Offset { regularity, seam } = offset;
-    let sections = Sections::new(surface, job.offset_mm(), job.plane.normal_axis(), regularity, budget)?;
+    let axis = job.plane.normal_axis();
+    let sections = Sections::new(milled.surface, job.offset_mm(), axis, regularity, budget)?;
     let found = Found {
         curves: &OffsetCurves { sections, rise: job.tool.radius_mm },
-        contacts,
+        milled,
         slopes: regularity.slopes().to_vec(),
-        is_followed: true,
         seam: *seam,
         chord_height_share: SECTION_HEIGHT_SHARE,
         point_limit: job.point_limit,
-        depth: if contacts.is_some() { Depth::Deviation } else { Depth::Tolerance },
+        depth,
     };
-    plan_with(surface, &found, job, budget)
+    plan_with(&found, job, budget)
 }
 
 /// Plans by the tips of the cutter in contact. The slopes are those of `regularity`, and sampled without it.
 fn by_contact<P: Patch>(
-    surface: &BezierSurface<P>,
-    contacts: &Contacts<P>,
+    milled: &Milled<P>,
     regularity: Option<Regularity>,
     job: &Job,
     budget: &Budget,
 ) -> Result<Plan, Error> {
     let axis = job.plane.normal_axis();
-    let sections = TipSections::new(contacts, axis, budget)?;
+    let sections = TipSections::new(milled.contacts, axis, budget)?;
     let found = Found {
         curves: &ContactCurves { sections, stock: job.allowance_mm },
-        contacts: Some(contacts),
-        is_followed: regularity.is_some(),
+        milled,
         slopes: match regularity {
             Some(regularity) => regularity.slopes().to_vec(),
-            None => scallop::sampled_slopes(surface, job.cutter().corner_radius(), axis, budget)?,
+            None => scallop::sampled_slopes(milled.surface, job.cutter().corner_radius(), axis, budget)?,
         },
         // The cutter touches edges and gaps as it touches everything else.
         seam: Seam::NONE,
@@ -192,7 +194,7 @@ fn by_contact<P: Patch>(
         point_limit: (CONTACT_SHARE * job.point_limit as f64) as usize,
         depth: Depth::Tolerance,
     };
-    plan_with(surface, &found, job, budget)
+    plan_with(&found, job, budget)
 }
 
 /// The surface with its normal up; with the boundary `past`, continued as far as the cutter may touch it.
@@ -210,90 +212,119 @@ fn seam(joints: &Joints, job: &Job, slopes: &[Slope]) -> Seam {
     Seam { jump: joints.jump(job.offset_mm()), bend: joints.kink / (4.0 * least_share) }
 }
 
+/// Passes at a stepover, and what they leave.
+struct Spaced {
+    passes: Passes,
+    stepover_mm: f64,
+    left: Left,
+}
+
 /// Proved passes and their toolpath.
 struct Cut {
-    passes: Vec<CutPass>,
-    left_out: LeftOut,
+    spaced: Spaced,
     toolpath: Toolpath,
     n_not_clear: usize,
     deviation_max_mm: f64,
     penetration: Penetration,
 }
 
-/// Cuts passes that deviate by at most a share of the tolerance, joins them and proves their depth.
-fn cut<P: Patch>(
+/// Passes that deviate by at most a share of the tolerance, at a stepover that leaves no more than the job
+/// asks for.
+fn space<P: Patch>(
     job: &Job,
     slicer: &Slicer,
-    planes: &[PlaneAt],
     (found, share): (&Found<P>, f64),
-    (cutting, proofs): (&Cutting, &Proofs<P>),
+    material: &Material<P>,
     budget: &Budget,
-) -> Result<Cut, Error> {
-    let gap = CERTIFICATE_GAP * job.tolerance.mm();
+) -> Result<Spaced, Error> {
     let allowed = Allowed {
-        tolerance: share * (job.tolerance.mm() - gap),
+        tolerance: share.min(leftover::deviation_share(job)) * (1.0 - CERTIFICATE_GAP) * job.tolerance.mm(),
         seam: found.seam,
         chord_height_share: found.chord_height_share,
         point_limit: found.point_limit,
     };
-    let Passes { passes, left_out } = passes::cut(job, slicer, planes, allowed, budget)?;
+    let mut stepovers = Stepovers::new(job, &found.slopes);
+    // Every trial but the last chooses the next stepover, so the loop ends.
+    loop {
+        let cut = || -> Result<Spaced, Error> {
+            let planes = slicer.planes(job, stepovers.next(), budget)?;
+            let stepover_mm = (planes[1].at - planes[0].at).abs();
+            let passes = passes::cut(job, slicer, &planes, allowed, budget)?;
+            let left = material.left(job, &passes.passes, stepover_mm, budget)?;
+            Ok(Spaced { passes, stepover_mm, left })
+        };
+        let spaced = cut().map_err(|error| stepovers.or_refused(error))?;
+        if stepovers.is_met(spaced.stepover_mm, &spaced.left.reached)? {
+            return Ok(spaced);
+        }
+    }
+}
+
+/// Joins passes and proves their depth.
+fn join<P: Patch>(
+    job: &Job,
+    slicer: &Slicer,
+    (found, spaced): (&Found<P>, Spaced),
+    (cutting, proofs): (&Cutting, &Proofs<P>),
+    budget: &Budget,
+) -> Result<Cut, Error> {
+    let gap = CERTIFICATE_GAP * job.tolerance.mm();
+    let passes = &spaced.passes.passes;
     let deviation = passes.iter().fold(Deviation::NONE, |deviation, pass| deviation.or_more(&pass.deviation));
     let deviation_max_mm = deviation.bound_mm;
-    let Joined { toolpath, n_not_clear } = links::join(job, cutting, &passes, proofs, budget)?;
+    let Joined { toolpath, n_not_clear } = links::join(job, cutting, passes, proofs, slicer, budget)?;
     let depth_mm = match found.depth {
         Depth::Tolerance => job.tolerance.mm(),
         Depth::Deviation => deviation_max_mm + gap + job.resolution.step_mm(),
     };
     let penetration = certify(&toolpath, job, &proofs.left, [gap, depth_mm], budget)?;
-    Ok(Cut { passes, left_out, toolpath, n_not_clear, deviation_max_mm, penetration })
+    Ok(Cut { spaced, toolpath, n_not_clear, deviation_max_mm, penetration })
 }
 
-fn plan_with<P: Patch>(
-    surface: &BezierSurface<P>,
-    found: &Found<P>,
-    job: &Job,
-    budget: &Budget,
-) -> Result<Plan, Error> {
+fn plan_with<P: Patch>(found: &Found<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
+    let Milled { part, surface, contacts } = *found.milled;
     let cutting = job.cutting.above(job.top(surface.top(TOP_ACCURACY_MM, budget)?))?;
     let slicer = Slicer::new(found.curves, job.plane.normal_axis(), inside(surface, job, budget)?);
-    let stepover = match job.spacing {
-        Spacing::Stepover(mm) | Spacing::WirePitch(mm) => mm,
-        Spacing::ScallopHeight(mm) => match job.cutter().corner_radius() {
-            0.0 => scallop::spacing_of_flat_ends(job.cutter().radius(), mm, &found.slopes),
-            corner => scallop::spacing(corner, mm, &found.slopes),
-        },
-    };
-    let planes = slicer.planes(job, stepover, budget)?;
-    let stepover_mm = (planes[1].at - planes[0].at).abs();
-
+    let positions = Positions { contacts, inside: inside(surface, job, budget)? };
+    let material = Material { part, positions };
     let proofs = Proofs::new(surface, job);
-    let cut = |share: f64| cut(job, &slicer, &planes, (found, share), (&cutting, &proofs), budget);
+    let cut = |share: f64| {
+        let spaced = space(job, &slicer, (found, share), &material, budget)?;
+        join(job, &slicer, (found, spaced), (&cutting, &proofs), budget)
+    };
     let cut = match cut(1.0) {
         Err(Error::ToleranceNotReached { .. }) if job.cutter().flat_radius() > 0.0 => cut(RIM_SHARE)?,
         cut => cut?,
     };
-    let Cut { passes, left_out, toolpath, n_not_clear, deviation_max_mm, penetration } = cut;
-    let rest = found.contacts.map(|contacts| rest::largest(contacts, budget)).transpose()?;
-    let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
-    let n_arcs = passes.iter().flat_map(|pass| &pass.curves).filter(is_arc).count();
-    let scallop = scallop::height(job.tool.radius_mm, stepover_mm, &found.slopes);
-    let report = Report {
-        n_passes: passes.len(),
-        n_cl_points: passes.iter().map(|pass| pass.n_points).sum(),
-        stepover_mm,
-        deviation_max_mm,
-        gouge_max_mm: (penetration.bound_mm - job.allowance_mm).max(0.0),
-        gouge_at: penetration.at.filter(|_| penetration.found_mm > job.allowance_mm),
-        scallop_max_mm: scallop.filter(|_| found.is_followed),
-        rest_sampled_max_mm: rest.map(|rest| rest.height_mm),
-        rest_at: rest.and_then(|rest| rest.at),
-        n_arcs,
-        n_lines: passes.iter().map(|pass| pass.curves.len()).sum::<usize>() - n_arcs,
-    };
+    let report = report(&cut, job);
     let bounds = surface.patches().iter().map(Patch::bounds).fold(Bounds::EMPTY, |all, own| all.union(&own));
     let is_small = (bounds.max - bounds.min).xy().amax() < 2.0 * job.tool.radius_mm;
-    let warnings = warnings(job, &report, found.is_followed, (left_out, n_not_clear, is_small));
-    Ok(Plan { toolpath, report, cutting, warnings })
+    let mut warnings = warnings(job, cut.spaced.passes.left_out, cut.n_not_clear, is_small);
+    warnings.extend(leftover::warnings(job, &cut.spaced.left, cut.spaced.stepover_mm, &found.slopes));
+    Ok(Plan { toolpath: cut.toolpath, report, cutting, warnings })
+}
+
+fn report(cut: &Cut, job: &Job) -> Report {
+    let Cut { spaced: Spaced { passes, stepover_mm, left }, deviation_max_mm, penetration, .. } = cut;
+    let passes = &passes.passes;
+    let is_arc = |curve: &&Curve| matches!(curve, Curve::Arc(_));
+    let n_arcs = passes.iter().flat_map(|pass| &pass.curves).filter(is_arc).count();
+    let proved = |left: &Leftover| Some(left.bound_mm).filter(|bound| bound.is_finite());
+    Report {
+        n_passes: passes.len(),
+        n_cl_points: passes.iter().map(|pass| pass.n_points).sum(),
+        stepover_mm: *stepover_mm,
+        deviation_max_mm: *deviation_max_mm,
+        gouge_max_mm: (penetration.bound_mm - job.allowance_mm).max(0.0),
+        gouge_at: penetration.at.filter(|_| penetration.found_mm > job.allowance_mm),
+        scallop_max_mm: proved(&left.reached),
+        scallop_at: left.reached.place(),
+        rest_max_mm: proved(&left.rest),
+        rest_at: left.rest.place(),
+        n_arcs,
+        n_lines: passes.iter().map(|pass| pass.curves.len()).sum::<usize>() - n_arcs,
+        elements_per_pass: counts::elements(passes),
+    }
 }
 
 /// The outline, and the distance in mm that the axis keeps from it; `None` where the boundary is not
@@ -342,12 +373,7 @@ fn certify(
     Ok(deepest)
 }
 
-fn warnings(
-    job: &Job,
-    report: &Report,
-    is_followed: bool,
-    (left_out, n_not_clear, is_small): (LeftOut, usize, bool),
-) -> Vec<Warning> {
+fn warnings(job: &Job, left_out: LeftOut, n_not_clear: usize, is_small: bool) -> Vec<Warning> {
     let mut warnings = data_warnings(job);
     if is_small {
         warnings.push(Warning::PartSmallerThanCutter);
@@ -358,13 +384,8 @@ fn warnings(
     if n_not_clear > 0 {
         warnings.push(Warning::EntryNotClear { count: n_not_clear });
     }
-    if let LeftOut { count: 1.., longest_mm } = left_out {
-        warnings.push(Warning::ShortPiecesLeftOut { count: left_out.count, longest_mm });
-    }
-    if !is_followed {
-        warnings.push(Warning::ScallopNotProved);
-    } else if report.scallop_max_mm.is_none() {
-        warnings.push(Warning::PassesApart { stepover_mm: report.stepover_mm });
+    if let LeftOut { count: 1.., longest_mm, at } = left_out {
+        warnings.push(Warning::ShortPiecesLeftOut { count: left_out.count, longest_mm, at });
     }
     warnings
 }

@@ -10,10 +10,14 @@
 //!    arc cannot be proved clear of the surface, the cutter plunges instead.
 //! 3. *Exit.* The cutter leaves by an arc if the job asks for one and the arc is proved clear of the surface.
 //!    Otherwise it goes straight up.
+//!
+//! With the boundary `inside`, ramps and arcs whose axis would leave the room of the passes are not made. An
+//! arc is tried with smaller radii first.
 
 use nalgebra::{Point3, Vector3};
 
 use super::passes::CutPass;
+use super::planes::Slicer;
 use super::{CERTIFICATE_GAP, Entry, Error, Exit, Job, Stock, certificate};
 use crate::budget::Budget;
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
@@ -30,6 +34,9 @@ pub(super) const APPROACH_MM: f64 = 2.0;
 /// Bisection steps between a height that is not proved free and one that is: 10 find it to a thousandth of
 /// the way down.
 const HALVINGS: usize = 10;
+
+/// How often the radius of an arc that would leave the outline is halved.
+const RADIUS_HALVINGS: i32 = 4;
 
 /// The most legs of one ramp; a ramp that needs more is not made, and the cutter plunges.
 const LEG_LIMIT: usize = 200;
@@ -55,6 +62,8 @@ pub(super) struct Entries<'a, P> {
     pub(super) job: &'a Job,
     pub(super) cutting: &'a Cutting,
     pub(super) proofs: &'a Proofs<'a, P>,
+    /// Where the axis may go.
+    pub(super) slicer: &'a Slicer<'a>,
     pub(super) budget: &'a Budget,
 }
 
@@ -88,10 +97,9 @@ impl<P: Patch> Entries<'_, P> {
     pub(super) fn leave(&self, builder: &mut Builder, pass: &CutPass) -> Result<bool, Error> {
         let Exit::Arc { radius_mm } = self.job.exit else { return Ok(true) };
         let last = pass.curves[pass.curves.len() - 1];
-        let Some(Quarter { far, center }) = self.quarter(last.end(), last.tangents()[1], radius_mm) else {
+        let Some(arc) = self.arc_from(last.end(), last.tangents()[1], radius_mm)? else {
             return Ok(false);
         };
-        let arc = self.short_arc(last.end(), far, center)?;
         let is_clear = self.are_clear([arc])?;
         if is_clear {
             builder.follow(arc, self.cutting.feed_of(Role::LeadOut), Role::LeadOut)?;
@@ -161,10 +169,11 @@ impl<P: Patch> Entries<'_, P> {
             Entry::Arc { radius_mm } => {
                 // The entry is the exit from the same pass cut backwards.
                 let backwards = -pass.curves[0].tangents()[0];
-                let Some(Quarter { far, center }) = self.quarter(start, backwards, radius_mm) else {
+                let Some(exit) = self.arc_from(start, backwards, radius_mm)? else {
                     return Ok(Vec::new());
                 };
-                let arc = self.short_arc(far, start, center)?;
+                let Curve::Arc(exit) = exit else { return Ok(Vec::new()) };
+                let arc = self.short_arc(exit.end(), start, exit.center())?;
                 Ok(if self.are_clear([arc])? { vec![arc] } else { Vec::new() })
             }
             Entry::Ramp { slope } => {
@@ -175,6 +184,8 @@ impl<P: Patch> Entries<'_, P> {
                 for leg in [ahead, -ahead] {
                     let ramp = self.ramp(start, leg, slope)?;
                     if let Some(first) = ramp.first()
+                        && self.slicer.lets_pass(&start, &first.start())
+                        && self.slicer.lets_pass(&start, &first.end())
                         && self.free_height(first.start(), first.start().z)? <= first.start().z
                         && self.are_clear(ramp.iter().copied())?
                     {
@@ -202,6 +213,38 @@ impl<P: Patch> Entries<'_, P> {
         };
         let down = (0..n as usize).rev();
         Ok(down.map(|k| Curve::Line(Line { start: place(k + 1), end: place(k) })).collect())
+    }
+
+    /// The arc that continues from `place` along `tangent` and bends up, with the requested radius or, where
+    /// the axis would leave its room, the largest of its halves that stays inside.
+    fn arc_from(
+        &self,
+        place: Point3<f64>,
+        tangent: Vector3<f64>,
+        radius_mm: f64,
+    ) -> Result<Option<Curve>, Error> {
+        for halvings in 0..=RADIUS_HALVINGS {
+            let radius_mm = radius_mm * 0.5f64.powi(halvings);
+            let Some(Quarter { far, center }) = self.quarter(place, tangent, radius_mm) else { continue };
+            let arc = self.short_arc(place, far, center)?;
+            if self.stays_inside(&arc) {
+                return Ok(Some(arc));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether the axis stays where it may go. In plan, a curve in the plane of a pass covers the way between
+    /// its two farthest places.
+    fn stays_inside(&self, curve: &Curve) -> bool {
+        let mut along = Vector3::zeros();
+        along[1 - self.job.plane.normal_axis()] = 1.0;
+        let end = |sense: f64| {
+            let mut end = curve.start();
+            end[1 - self.job.plane.normal_axis()] = sense * curve.support(&(along * sense));
+            end
+        };
+        self.slicer.lets_pass(&end(-1.0), &end(1.0))
     }
 
     /// The quarter of a circle that continues from `place` along `tangent` and bends up; `None` if it ends

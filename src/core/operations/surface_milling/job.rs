@@ -21,6 +21,11 @@ pub const DEFAULT_POINT_LIMIT: usize = 10_000_000;
 /// section of the offset took 2 us.
 pub const CONTACT_SHARE: f64 = 0.04;
 
+/// Pieces of a section shorter than this share of the cutter's radius are left out if the job has a longer
+/// piece. Each piece costs a plunge and a retract. A larger share leaves more material; a smaller one makes
+/// passes that cut next to nothing.
+const SHORT_SHARE: f64 = 0.1;
+
 /// The planes of the passes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
@@ -219,6 +224,11 @@ impl Job {
     /// Length up to which a piece of a section is not cut, mm: it would vanish in rounding.
     pub(super) fn vanishing_mm(&self) -> f64 {
         2.0 * self.resolution.step_mm()
+    }
+
+    /// Length below which a piece of a section is left out if the job has a longer piece, mm.
+    pub(super) fn short_mm(&self) -> f64 {
+        SHORT_SHARE * self.cutter().radius()
     }
 
     /// The distance of a ball's centre from the surface, mm.

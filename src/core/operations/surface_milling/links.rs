@@ -5,12 +5,13 @@
 //! # Method
 //! The first link tried is a straight line. If it is not proved clear, try two lines that meet above the
 //! middle of the first one. Double the height of the point where they meet, until both lines are proved clear
-//! or take too long.
+//! or take too long. With the boundary `inside`, no link leads outside the room of the passes.
 
 use nalgebra::{Point3, center};
 
 use super::entries::{Entries, Proofs};
 use super::passes::CutPass;
+use super::planes::Slicer;
 use super::{CutDirection, Error, Job};
 use crate::budget::Budget;
 use crate::geometry::curve::{Curve, Line};
@@ -36,9 +37,10 @@ pub(super) fn join<P: Patch>(
     cutting: &Cutting,
     passes: &[CutPass],
     proofs: &Proofs<P>,
+    slicer: &Slicer,
     budget: &Budget,
 ) -> Result<Joined, Error> {
-    let entries = Entries { job, cutting, proofs, budget };
+    let entries = Entries { job, cutting, proofs, slicer, budget };
     let mut n_not_clear = 0;
     let start = at_height(entries.first_place(&passes[0])?, cutting.clearance_z_mm);
     let mut builder = Toolpath::builder(start).with_limit(job.move_limit);
@@ -78,6 +80,9 @@ fn link(
     from: Point3<f64>,
     to: Point3<f64>,
 ) -> Result<Option<Vec<Line>>, Error> {
+    if !entries.slicer.lets_pass(&from, &to) {
+        return Ok(None);
+    }
     let straight = Line { start: from, end: to };
     let retract_min = entries.minutes_over(&straight)?;
     let feed = entries.cutting.link_feed.mm_per_min();

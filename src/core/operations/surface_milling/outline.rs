@@ -1,21 +1,27 @@
-//! The outline of a surface seen from above. It divides sections: only the parts over which the cutter stays
-//! inside the outline are kept.
+//! The outline of a surface seen from above: its edges, without seams and poles. It divides sections: only
+//! the parts over which the cutter stays inside the outline are kept. A surface without edges has no outline,
+//! and every place is inside.
 
 use nalgebra::{Point3, Vector2};
 
 use crate::budget::{Budget, Stopped};
+use crate::geometry::surface::topology::Topology;
 use crate::geometry::surface::{BezierSurface, Patch, Surface};
 use crate::machining::offset_section::Chain;
 
 /// The most chords of the whole outline. The patches along it share them evenly; each patch has at least one.
 const CHORD_LIMIT: usize = 20_000;
 
+/// How far a way along the margin may leave it for rounding alone, mm.
+const ON_MARGIN_MM: f64 = 1e-6;
+
 /// Steps between two checks of the budget.
 const STEPS_BETWEEN_CHECKS: usize = 64;
 
-/// The four sides of a surface in plan, as chords.
+/// The edges of a surface in plan, as closed loops of chords. A surface that is closed in one direction has a
+/// loop for each of its two ends, and none for an end that is a pole.
 pub(super) struct Outline {
-    corners: Vec<Vector2<f64>>,
+    loops: Vec<Vec<Vector2<f64>>>,
     /// The largest distance of the sides from their chords, mm.
     chord_height_mm: f64,
 }
@@ -31,24 +37,39 @@ impl Outline {
         budget: &Budget,
     ) -> Result<Self, Stopped> {
         let [nu, nv] = surface.spans();
-        let mut outline = Self { corners: Vec::new(), chord_height_mm: 0.0 };
+        let topology = Topology::of(surface);
+        let [low_u, high_u, low_v, high_v] = topology.edges();
+        let mut outline = Self { loops: vec![Vec::new()], chord_height_mm: 0.0 };
         let most = (CHORD_LIMIT / (2 * (nu + nv))).max(1) as f64;
-        // Round the domain: along v = 0, u = nu, v = nv and u = 0.
-        for i in 0..nu {
+        // Round the domain: along v = 0, u = nu, v = nv and u = 0. At a seam a loop ends, and the next edge
+        // begins another one.
+        let is_closed = topology.is_closed(0) || topology.is_closed(1);
+        for i in (0..nu).filter(|_| low_v) {
             outline.add(surface.patch(i, 0), |t| [t, 0.0], [accuracy, most]);
         }
+        outline.end_side(is_closed);
         budget.check()?;
-        for j in 0..nv {
+        for j in (0..nv).filter(|_| high_u) {
             outline.add(surface.patch(nu - 1, j), |t| [1.0, t], [accuracy, most]);
         }
-        for i in (0..nu).rev() {
+        outline.end_side(is_closed);
+        for i in (0..nu).rev().filter(|_| high_v) {
             outline.add(surface.patch(i, nv - 1), |t| [1.0 - t, 1.0], [accuracy, most]);
         }
+        outline.end_side(is_closed);
         budget.check()?;
-        for j in (0..nv).rev() {
+        for j in (0..nv).rev().filter(|_| low_u) {
             outline.add(surface.patch(0, j), |t| [0.0, 1.0 - t], [accuracy, most]);
         }
+        outline.loops.retain(|corners| !corners.is_empty());
         Ok(outline)
+    }
+
+    /// Begins another loop on a surface that is closed in one direction.
+    fn end_side(&mut self, is_closed: bool) {
+        if is_closed {
+            self.loops.push(Vec::new());
+        }
     }
 
     fn add(&mut self, patch: &impl Patch, place: impl Fn(f64) -> [f64; 2], [accuracy, most]: [f64; 2]) {
@@ -59,15 +80,19 @@ impl Outline {
         let bend = bend.reach() / 8.0;
         let chords = (bend / accuracy).sqrt().ceil().clamp(1.0, most);
         self.chord_height_mm = self.chord_height_mm.max(bend / (chords * chords));
-        self.corners.extend((0..chords as usize).map(|k| {
+        let corners = (0..chords as usize).map(|k| {
             let [u, v] = place(k as f64 / chords);
             patch.jet(u, v).point.coords.xy()
-        }));
+        });
+        self.loops.last_mut().into_iter().for_each(|side| side.extend(corners.clone()));
     }
 
     /// The distance of a place from the outline, mm: positive inside. A place that moves by d changes it by
     /// at most d.
-    fn depth(&self, p: &Vector2<f64>) -> f64 {
+    pub(super) fn depth(&self, p: &Vector2<f64>) -> f64 {
+        if self.loops.is_empty() {
+            return f64::INFINITY;
+        }
         let mut squared = f64::INFINITY;
         let mut is_inside = false;
         for [from, to] in self.chords() {
@@ -136,10 +161,20 @@ impl Outline {
             end[1 - axis] = along;
             end
         };
+        if self.loops.is_empty() {
+            return true;
+        }
         let along = |corner: &Vector2<f64>| corner[1 - axis];
-        let low = self.corners.iter().map(along).fold(f64::INFINITY, f64::min);
-        let high = self.corners.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+        let low = self.loops.iter().flatten().map(along).fold(f64::INFINITY, f64::min);
+        let high = self.loops.iter().flatten().map(along).fold(f64::NEG_INFINITY, f64::max);
         !self.free(end(low), end(high), margin + self.chord_height_mm).is_empty()
+    }
+
+    /// Whether the axis of a cutter stays at least `margin` mm inside the edges on the whole way from `from`
+    /// to `to`, up to the accuracy of parts of chains.
+    pub(super) fn holds(&self, from: Vector2<f64>, to: Vector2<f64>, margin: f64) -> bool {
+        let margin = margin + self.chord_height_mm - ON_MARGIN_MM;
+        self.free(from, to, margin) == [[0.0, 1.0]]
     }
 
     /// The parts of the way from `a` to `b`, as fractions of it, that lie inside and farther than `margin` mm
@@ -163,8 +198,10 @@ impl Outline {
     }
 
     fn chords(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> {
-        let before = self.corners.iter().cycle().skip(self.corners.len() - 1);
-        before.zip(&self.corners).map(|(from, to)| [*from, *to])
+        self.loops.iter().flat_map(|corners| {
+            let before = corners.iter().cycle().skip(corners.len() - 1);
+            before.zip(corners).map(|(from, to)| [*from, *to])
+        })
     }
 }
 
@@ -214,6 +251,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::surface::BicubicPatch;
+    use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 
     /// A flat patch of 30 by 12 mm.
     fn outline() -> Outline {
@@ -249,17 +287,11 @@ mod tests {
         assert!(outline().clipped(&edge, 2.0, &Budget::unlimited()).unwrap().is_empty());
         // A long step over a notch: both ends are far from the notch, and the part over the notch is cut out.
         let notched = Outline {
-            corners: [
-                [0.0, 0.0],
-                [14.0, 0.0],
-                [15.0, 5.5],
-                [16.0, 0.0],
-                [30.0, 0.0],
-                [30.0, 12.0],
-                [0.0, 12.0],
-            ]
-            .map(Vector2::from)
-            .to_vec(),
+            loops: vec![
+                [[0.0, 0.0], [14.0, 0.0], [15.0, 5.5], [16.0, 0.0], [30.0, 0.0], [30.0, 12.0], [0.0, 12.0]]
+                    .map(Vector2::from)
+                    .to_vec(),
+            ],
             chord_height_mm: 0.0,
         };
         let step = chain(vec![Point3::new(3.0, 6.0, 0.0), Point3::new(27.0, 6.0, 0.0)]);
@@ -273,5 +305,33 @@ mod tests {
         let bow = [(10.0, 6.0), (12.0, 6.0), (14.0, 11.5), (16.0, 6.0), (18.0, 6.0)];
         let bow = chain(bow.iter().map(|(x, y)| Point3::new(*x, *y, 0.0)).collect());
         assert_eq!(outline().clipped(&bow, 2.0, &Budget::unlimited()).unwrap().len(), 2);
+    }
+
+    /// The outline of a cone from the radius `low` to the radius 30, closed around its axis.
+    fn ring(low: f64) -> Outline {
+        let row = |k: usize| {
+            let (sin, cos) = (std::f64::consts::TAU * (k % 36) as f64 / 36.0).sin_cos();
+            [30.0, 0.5 * (30.0 + low), low].map(|r| Point3::new(r * cos, r * sin, 30.0 - r)).to_vec()
+        };
+        let points = (0..=36).map(row).collect();
+        let grid = PointGrid { points, twist: Twist::Spline, ends: Ends::Usual };
+        Outline::new(&grid.surface().unwrap(), 1e-4, &Budget::unlimited()).unwrap()
+    }
+
+    #[test]
+    fn a_closed_surface_has_an_outline_at_each_edge_and_none_at_its_seam_or_pole() {
+        for (low, hole) in [(12.0, 12.0), (0.0, f64::NEG_INFINITY)] {
+            let outline = ring(low);
+            for (x, y) in [(21.0, 0.0), (-14.0, 0.0), (0.0, 25.0), (3.0, 4.0), (20.0, 30.0)] {
+                let r = f64::hypot(x, y);
+                let depth = outline.depth(&Vector2::new(x, y));
+                // Without a hole, the second distance is infinite.
+                let expected = (30.0 - r).min(r - hole);
+                assert!((depth - expected).abs() < 0.01, "{low}, {x} {y}: {depth}, not {expected}");
+            }
+            assert!(outline.holds(Vector2::new(20.0, -3.0), Vector2::new(20.0, 3.0), 3.0));
+            let across = outline.holds(Vector2::new(20.0, 0.0), Vector2::new(-20.0, 0.0), 3.0);
+            assert_eq!(across, low == 0.0, "a way over the middle of the ring with a hole of {low}");
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! Makes passes from CL curves. A pass is a chain of arcs and lines, with a proved bound of its deviation
 //! from the CL curve.
 
+mod left_out;
+
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Point3;
@@ -13,6 +15,8 @@ use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::Curve;
 use crate::machining::offset_section::{Chain, PlaneAt, SectionError, Spacing, chord_height};
 use crate::toolpath::PathError;
+pub(super) use left_out::LeftOut;
+use left_out::leave_out_short;
 
 /// Room kept for rounding the ends and the centre of an arc, in steps of the last decimal; most arcs stay
 /// within it.
@@ -26,10 +30,6 @@ const SHARPENED_BY: f64 = 0.3;
 /// An arc bridges a wall if it leaves a chord by more than this multiple of the section's height over that
 /// chord.
 const BULGE: f64 = 20.0;
-
-/// Pieces of a section shorter than this share of the cutter's radius are left out if the section has a
-/// longer piece.
-const SHORT_SHARE: f64 = 0.1;
 
 /// Least height of sections over their chords, mm, where steps are only counted.
 const COARSE_HEIGHT_MM: f64 = 5e-3;
@@ -69,6 +69,10 @@ impl CutPass {
     pub(super) fn end(&self) -> Point3<f64> {
         self.curves[self.curves.len() - 1].end()
     }
+
+    fn length(&self) -> f64 {
+        self.curves.iter().map(Curve::length).sum()
+    }
 }
 
 /// All passes in the order of cutting, and the pieces left out because they are too short.
@@ -78,19 +82,22 @@ pub(super) struct Passes {
     pub(super) left_out: LeftOut,
 }
 
-/// The pieces left out: how many, and the length of the longest.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct LeftOut {
-    pub(super) count: usize,
-    pub(super) longest_mm: f64,
-}
-
 impl Passes {
     fn and(mut self, more: Self) -> Self {
         self.passes.extend(more.passes);
-        self.left_out.count += more.left_out.count;
-        self.left_out.longest_mm = self.left_out.longest_mm.max(more.left_out.longest_mm);
+        self.left_out = self.left_out.and(more.left_out);
         self
+    }
+
+    /// Whether any pass has at least the length `shortest` mm.
+    fn has_long(&self, shortest: f64) -> bool {
+        self.passes.iter().any(|pass| pass.length() >= shortest)
+    }
+
+    /// Moves all passes to the pieces left out.
+    fn without_passes(self) -> Self {
+        let passes = self.passes.iter().map(|pass| LeftOut::of(pass.length(), pass.start()));
+        Self { passes: Vec::new(), left_out: passes.fold(self.left_out, LeftOut::and) }
     }
 }
 
@@ -123,7 +130,8 @@ pub(super) fn cut(
     let cut_one = |k: usize| -> Result<Passes, Error> {
         budget.check()?;
         let forward = job.direction == CutDirection::OneWay || k.is_multiple_of(2);
-        let cut = cut_plane(job, slicer, planes[k], forward, allowed, budget)?;
+        let chains = |spacing| slicer.chains(planes[k], spacing, budget);
+        let cut = cut_plane(job, &chains, planes[k], forward, allowed, budget)?;
         let passes = &cut.passes;
         let count = |counter: &AtomicUsize, more: usize| counter.fetch_add(more, Ordering::Relaxed) + more;
         let limit = allowed.point_limit;
@@ -137,8 +145,41 @@ pub(super) fn cut(
         budget.progress("sections", done.fetch_add(1, Ordering::Relaxed), planes.len());
         Ok(cut)
     };
-    let cut = budget.in_order(planes.len(), cut_one)?.into_iter().fold(Passes::default(), Passes::and);
+    let cut = budget.in_order(planes.len(), cut_one)?;
+    let cut = with_long_passes(job, cut, |k| {
+        let forward = job.direction == CutDirection::OneWay || k.is_multiple_of(2);
+        cut_plane(
+            job,
+            &|spacing| slicer.chains_over_edges(planes[k], spacing, budget),
+            planes[k],
+            forward,
+            allowed,
+            budget,
+        )
+    })?;
+    let cut = cut.into_iter().fold(Passes::default(), Passes::and);
     if cut.passes.is_empty() { Err(Error::NothingToCut) } else { Ok(cut) }
+}
+
+/// Leaves out the passes of planes that have short pieces alone, unless all planes of the job have. A plane
+/// without a long piece between planes with long ones would leave a strip: there the cutter follows the edges
+/// of the surface (`over_edges`).
+fn with_long_passes(
+    job: &Job,
+    mut cut: Vec<Passes>,
+    over_edges: impl Fn(usize) -> Result<Passes, Error>,
+) -> Result<Vec<Passes>, Error> {
+    let shortest = job.short_mm();
+    let is_long = |passes: &Passes| passes.has_long(shortest);
+    let (Some(first), Some(last)) = (cut.iter().position(is_long), cut.iter().rposition(is_long)) else {
+        return Ok(cut);
+    };
+    for (k, passes) in cut.iter_mut().enumerate().filter(|(_, passes)| !passes.has_long(shortest)) {
+        let rolled = if (first..last).contains(&k) { over_edges(k)? } else { Passes::default() };
+        let own = std::mem::take(passes);
+        *passes = if rolled.has_long(shortest) { rolled } else { own.without_passes() };
+    }
+    Ok(cut)
 }
 
 /// Refuses a step length that needs too many CL points, before the points are found: from an end of a section
@@ -165,7 +206,7 @@ fn check_steps(
             chains => chains?,
         };
         let way = |chain: &Chain| (chain.points[chain.points.len() - 1][axis] - chain.points[0][axis]).abs();
-        let shortest = SHORT_SHARE * job.cutter().radius();
+        let shortest = job.short_mm();
         let kept = chains.iter().filter(|chain| chain.length() >= shortest);
         Ok(kept.map(|chain| way(chain) / step_length).sum())
     };
@@ -203,7 +244,9 @@ fn check_points(
     for k in 0..SAMPLED {
         // The planes are spread, and at no equal distances: the part may repeat itself.
         let at = (k as f64 * GOLDEN + 0.5).fract() * planes.len() as f64;
-        match cut_plane(job, slicer, planes[at as usize], true, allowed, budget) {
+        let plane = planes[at as usize];
+        let chains = |spacing| slicer.chains(plane, spacing, budget);
+        match cut_plane(job, &chains, plane, true, allowed, budget) {
             Ok(cut) => n_points += cut.passes.iter().map(|pass| pass.n_points).sum::<usize>(),
             Err(Error::Stopped(stopped)) => return Err(stopped.into()),
             // What cannot be cut is told where all passes are.
@@ -219,10 +262,10 @@ fn check_points(
     Ok(())
 }
 
-/// The passes of one plane, in the direction of travel.
+/// The passes of one plane along its CL curves, in the direction of travel.
 fn cut_plane(
     job: &Job,
-    slicer: &Slicer,
+    chains: &dyn Fn(Spacing) -> Result<Vec<Chain>, SectionError>,
     plane: PlaneAt,
     forward: bool,
     Allowed { tolerance, seam, chord_height_share, point_limit: _ }: Allowed,
@@ -242,9 +285,9 @@ fn cut_plane(
     fit_tolerance = fit_tolerance.max(0.1 * tolerance);
     let mut worst = (Deviation::NONE, Point3::origin());
     for tries in 0..REFINEMENT_LIMIT {
-        let mut chains = slicer.chains(plane, spacing, budget)?;
+        let mut chains = chains(spacing)?;
         chains.retain(|chain| chain.length() > job.vanishing_mm());
-        let left_out = leave_out_short(&mut chains, SHORT_SHARE * job.cutter().radius());
+        let left_out = leave_out_short(&mut chains, job.short_mm());
         orient(&mut chains, 1 - job.plane.normal_axis(), forward);
         let passes: Result<Vec<_>, Error> =
             chains.iter().map(|chain| fit(job, chain, plane.at, fit_tolerance, seam, budget)).collect();
@@ -268,22 +311,6 @@ fn cut_plane(
     }
     let deviation_mm = worst.0.bound_mm;
     Err(Error::ToleranceNotReached { tolerance_mm: job.tolerance.mm(), deviation_mm, at: worst.1 })
-}
-
-/// Removes the chains shorter than `shortest` mm. If all chains are shorter, none is removed.
-fn leave_out_short(chains: &mut Vec<Chain>, shortest: f64) -> LeftOut {
-    let mut left_out = LeftOut::default();
-    if chains.iter().any(|chain| chain.length() >= shortest) {
-        chains.retain(|chain| {
-            let length = chain.length();
-            if length < shortest {
-                left_out.count += 1;
-                left_out.longest_mm = left_out.longest_mm.max(length);
-            }
-            length >= shortest
-        });
-    }
-    left_out
 }
 
 /// Turns the chains into the direction of travel along the coordinate `axis` and sorts them by their starts.
@@ -325,7 +352,9 @@ fn fit(
     let flat: Vec<Point3<f64>> = tips.iter().map(on_plane).collect();
     // The points are exact, so elements meet on them. Greedy growth is enough: a search for the fewest
     // elements would save at most one in five hundred.
-    let request = Fit { shapes, joints: Joints::OnPoints, effort: 0, ..Fit::within(fit_tolerance) };
+    let largest_radius_mm = job.curves.largest_radius_mm;
+    let within = Fit { largest_radius_mm, ..Fit::within(fit_tolerance) };
+    let request = Fit { shapes, joints: Joints::OnPoints, effort: 0, ..within };
     let mut pass = CutPass { curves: Vec::new(), n_points: tips.len(), deviation: Deviation::NONE };
     // Ranges of points still to be joined; the first range is on top.
     let mut open = vec![[0, tips.len() - 1]];

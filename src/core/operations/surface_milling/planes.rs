@@ -1,5 +1,7 @@
 //! The section planes of a job, and the CL curves in these planes.
 
+use nalgebra::Point3;
+
 use super::outline::Outline;
 use super::{Error, Job};
 use crate::budget::Budget;
@@ -41,6 +43,14 @@ pub(super) trait ClCurves: Sync {
 
     /// The curves of the tip in one plane.
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError>;
+
+    /// The curves of the tip in one plane, with those on which the cutter touches edges of the surface alone.
+    fn chains_over_edges(
+        &self,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Vec<Chain>, SectionError>;
 }
 
 /// CL curves as sections of the offset surface, whose points lie `rise` mm above the tip.
@@ -60,6 +70,16 @@ impl ClCurves for OffsetCurves<'_> {
 
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
         Ok(raised(self.sections.chains(plane, spacing, budget)?, -self.rise))
+    }
+
+    /// The offset ends at the edges.
+    fn chains_over_edges(
+        &self,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Vec<Chain>, SectionError> {
+        self.chains(plane, spacing, budget)
     }
 }
 
@@ -87,6 +107,15 @@ impl<P: Patch> ClCurves for ContactCurves<'_, P> {
 
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
         Ok(raised(self.sections.chains(plane, spacing, budget)?, self.stock))
+    }
+
+    fn chains_over_edges(
+        &self,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Vec<Chain>, SectionError> {
+        Ok(raised(self.sections.chains_over_edges(plane, spacing, budget)?, self.stock))
     }
 }
 
@@ -135,13 +164,33 @@ impl<'a> Slicer<'a> {
         Self { curves, axis, inside }
     }
 
+    /// Whether the axis of the cutter may go straight from `from` to `to`: anywhere, unless the job keeps the
+    /// cutter inside the outline.
+    pub(super) fn lets_pass(&self, from: &Point3<f64>, to: &Point3<f64>) -> bool {
+        let [from, to] = [from, to].map(|place| place.coords.xy());
+        self.inside.as_ref().is_none_or(|(outline, margin)| outline.holds(from, to, *margin))
+    }
+
     pub(super) fn chains(
         &self,
         plane: PlaneAt,
         spacing: Spacing,
         budget: &Budget,
     ) -> Result<Vec<Chain>, SectionError> {
-        let chains = self.curves.chains(plane, spacing, budget)?;
+        self.clipped(self.curves.chains(plane, spacing, budget)?, budget)
+    }
+
+    /// As [`Self::chains`], with the curves on which the cutter touches edges of the surface alone.
+    pub(super) fn chains_over_edges(
+        &self,
+        plane: PlaneAt,
+        spacing: Spacing,
+        budget: &Budget,
+    ) -> Result<Vec<Chain>, SectionError> {
+        self.clipped(self.curves.chains_over_edges(plane, spacing, budget)?, budget)
+    }
+
+    fn clipped(&self, chains: Vec<Chain>, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
         let Some((outline, margin)) = &self.inside else { return Ok(chains) };
         let mut inside = Vec::new();
         for chain in &chains {
@@ -197,23 +246,31 @@ impl<'a> Slicer<'a> {
         [width, stepover]: [f64; 2],
         budget: &Budget,
     ) -> Result<PlaneAt, Error> {
-        let length = |inset: f64| self.cut_length(extent + inward * inset, job.vanishing_mm(), budget);
-        let [on_edge, mut inset] = [INSET_MM, TOUCH_MM].map(|inset| inset.min(INSET_PART * width));
+        let [on_edge, first] = [INSET_MM, TOUCH_MM].map(|inset| inset.min(INSET_PART * width));
         let farthest = 0.5 * stepover.min(0.5 * width);
-        let mut inside = length(inset)?;
-        if inside > 0.0 && length(on_edge)? >= STRAIGHT_SHARE * inside {
-            return Ok(PlaneAt { at: extent, traced_at: extent + inward * on_edge });
-        }
-        while inside == 0.0 && inset < farthest {
-            inset = farthest.min(2.0 * inset);
-            inside = length(inset)?;
+        let mut inset = first;
+        // Sections that are too short for a pass count where there are no others.
+        for shortest in [job.short_mm(), job.vanishing_mm()] {
+            let length = |inset: f64| self.cut_length(extent + inward * inset, shortest, budget);
+            inset = first;
+            let mut inside = length(inset)?;
+            if inside > 0.0 && length(on_edge)? >= STRAIGHT_SHARE * inside {
+                return Ok(PlaneAt { at: extent, traced_at: extent + inward * on_edge });
+            }
+            while inside == 0.0 && inset < farthest {
+                inset = farthest.min(2.0 * inset);
+                inside = length(inset)?;
+            }
+            if inside > 0.0 {
+                break;
+            }
         }
         Ok(PlaneAt::new(extent + inward * inset))
     }
 
-    /// The total length of the sections in the plane at `at` mm that are longer than `vanishing` mm, roughly.
-    fn cut_length(&self, at: f64, vanishing: f64, budget: &Budget) -> Result<f64, Error> {
+    /// The total length of the sections in the plane at `at` mm that are longer than `shortest` mm, roughly.
+    fn cut_length(&self, at: f64, shortest: f64, budget: &Budget) -> Result<f64, Error> {
         let chains = self.chains(PlaneAt::new(at), COARSE, budget)?;
-        Ok(chains.iter().map(Chain::length).filter(|length| *length > vanishing).sum())
+        Ok(chains.iter().map(Chain::length).filter(|length| *length > shortest).sum())
     }
 }

@@ -1,132 +1,113 @@
-//! Searches for rest: material that the cutter cannot remove without cutting into the surface elsewhere.
+//! Tells which points of a surface the cutter can reach. What stays at the other points is rest: no position
+//! of the cutter removes it without cutting into the surface elsewhere, or leaving the outline.
 //!
 //! # Method
-//! 1. Take about 1500 places of the surface.
-//! 2. For each place, put the axis where the lower side of the cutter touches the surface at this place, and
-//!    drop the cutter. If it comes to rest higher, because the surface is in the way elsewhere, try other
-//!    positions of the axis. Keep the position at which the lower side lies least above the place.
-//! 3. For each place, the rest is the height of this lower side above the place, times the z coordinate of
-//!    the unit normal.
-//!
-//! # Guarantees
-//! At a sampled place, the computed rest is at most 1e-4 mm below the true one. It may be above the true one,
-//! because the search may miss the best position of the axis. Nothing is known between the sampled places.
+//! The cutter reaches a point with a normal only where it touches the tangent plane of the surface. So put
+//! the axis where the lower side touches the plane at the point, and drop the cutter. Where the whole surface
+//! lets it come down to the point, or to a tenth of what is left there, the point is reached. A flat of the
+//! cutter touches a level place with any of its points. So for a cutter with a flat other axes are tried too.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Point3, Vector2, Vector3};
 
+use super::outline::Outline;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::Patch;
+use crate::machining::cutter::Cutter;
 use crate::machining::drop_cutter::Contacts;
+use crate::machining::uncut::{Reach, distance_from};
 
-/// About how many places of the surface are sampled.
-const PLACES: usize = 1500;
+/// A point is reached if the cutter comes as near to it as this share of what is left there. A smaller share
+/// counts more of what passes leave as rest, a larger one less.
+const REACHED_SHARE: f64 = 0.1;
 
-/// A place with less rest than this counts as reached, mm.
-const REACHED_MM: f64 = 1e-6;
-
-/// Directions and distances, in radii of the cutter, in which the axis is tried around a place.
-const DIRECTIONS: usize = 8;
-const DISTANCES: [f64; 2] = [0.5, 0.999];
-
-/// The number of best axes from which the axis is moved on.
-const STARTS: usize = 4;
-
-/// The first and the last step by which the axis is moved, in radii of the cutter, and the most steps.
-const FIRST_MOVE: f64 = 0.5;
-const LAST_MOVE: f64 = 1e-3;
-const MOVES: usize = 60;
-
-/// The thickest rest found.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Rest {
-    pub(super) height_mm: f64,
-    /// The surface point with that rest; `None` without rest.
-    pub(super) at: Option<Point3<f64>>,
-}
+/// A point is reached if the cutter comes as near to it as this, mm: ten times the accuracy of a drop.
+const REACHED_MM: f64 = 1e-5;
 
 /// The accuracy of a tip, mm.
-const TIP_ACCURACY_MM: f64 = 1e-4;
+const TIP_ACCURACY_MM: f64 = 1e-6;
 
-/// The thickest rest at the sampled places.
-pub(super) fn largest<P: Patch>(contacts: &Contacts<P>, budget: &Budget) -> Result<Rest, Stopped> {
-    let mut largest = Rest { height_mm: 0.0, at: None };
-    for place in contacts.places(PLACES) {
-        let Some((tip, normal, at)) = contacts.touching(place) else { continue };
-        let enough = largest.height_mm.max(REACHED_MM) / normal.z;
-        let left_mm = left_over(contacts, &at, tip.xy().coords, enough, budget)?;
-        if left_mm > enough {
-            largest = Rest { height_mm: left_mm * normal.z, at: Some(at) };
-        }
-    }
-    Ok(largest)
+/// How far the axis may be beyond the margin of the outline, mm. Passes along it are as accurate.
+const BESIDE_MARGIN_MM: f64 = 1e-3;
+
+/// Directions in which the axis of a cutter with a flat is tried, and distances in radii of the flat.
+const DIRECTIONS: usize = 8;
+const DISTANCES: [f64; 2] = [0.98, 0.5];
+
+/// The z coordinate of a unit normal below which a surface counts as a wall.
+const UPRIGHT: f64 = 1e-9;
+
+/// The positions that the cutter may take.
+pub(super) struct Positions<'a, P> {
+    pub(super) contacts: &'a Contacts<'a, P>,
+    /// The outline, and the distance of the axis from it, mm; `None` where the axis may be anywhere.
+    pub(super) inside: Option<(Outline, f64)>,
 }
 
-/// The least height of the cutter's lower side over a point of the surface that the search finds, mm. The
-/// first axis tried is `axis`. The search ends early at a height of at most `enough` mm.
-fn left_over<P: Patch>(
-    contacts: &Contacts<P>,
-    point: &Point3<f64>,
-    axis: Vector2<f64>,
-    enough: f64,
-    budget: &Budget,
-) -> Result<f64, Stopped> {
-    let radius = contacts.cutter().radius();
-    let height_at = |axis: Vector2<f64>| -> Result<f64, Stopped> {
-        let height = contacts.cutter().height((point.coords.xy() - axis).norm());
-        match contacts.drop_within(TIP_ACCURACY_MM, axis, None, budget)? {
-            Some(contact) if height.is_finite() => Ok(contact.tip.z + height - point.z),
-            _ => Ok(f64::INFINITY),
+impl<P: Patch> Reach for Positions<'_, P> {
+    fn is_reached(
+        &self,
+        point: &Point3<f64>,
+        normal: &Vector3<f64>,
+        left: f64,
+        budget: &Budget,
+    ) -> Result<bool, Stopped> {
+        let enough = REACHED_MM.max(REACHED_SHARE * left);
+        let cutter = self.contacts.cutter();
+        for axis in axes(cutter, point, normal) {
+            if self.is_allowed(&axis)
+                && let Some(contact) = self.contacts.drop_within(TIP_ACCURACY_MM, axis, None, budget)?
+                && distance_from(cutter, &contact.tip, point) <= enough
+            {
+                return Ok(true);
+            }
         }
-    };
-    let left = height_at(axis)?;
-    if left <= enough {
-        return Ok(left);
+        Ok(false)
     }
-    let mut starts = vec![(axis, left)];
-    for k in 0..DIRECTIONS {
-        let angle = k as f64 * std::f64::consts::TAU / DIRECTIONS as f64;
+}
+
+impl<P: Patch> Positions<'_, P> {
+    fn is_allowed(&self, axis: &Vector2<f64>) -> bool {
+        let Some((outline, margin)) = &self.inside else { return true };
+        outline.depth(axis) >= margin - BESIDE_MARGIN_MM
+    }
+}
+
+/// The axes at which the cutter may touch the surface in `point`, the likeliest first.
+fn axes(cutter: &Cutter, point: &Point3<f64>, normal: &Vector3<f64>) -> Vec<Vector2<f64>> {
+    let place = point.coords.xy();
+    if normal.z < UPRIGHT {
+        let sideways = normal.xy().try_normalize(0.0).unwrap_or_default();
+        return vec![place + sideways * cutter.radius()];
+    }
+    let lower = cutter.tangent_point(-normal.xy() / normal.z);
+    let mut axes = vec![place - lower.place];
+    let flat = cutter.flat_radius();
+    if flat > 0.0 {
+        axes.push(place);
         for share in DISTANCES {
-            let axis = point.coords.xy() + Vector2::new(angle.cos(), angle.sin()) * (share * radius);
-            let left = height_at(axis)?;
-            if left <= enough {
-                return Ok(left);
-            }
-            starts.push((axis, left));
+            axes.extend((0..DIRECTIONS).map(|k| {
+                let angle = k as f64 * std::f64::consts::TAU / DIRECTIONS as f64;
+                place + Vector2::new(angle.cos(), angle.sin()) * (share * flat)
+            }));
         }
     }
-    starts.sort_by(|(_, a), (_, b)| a.total_cmp(b));
-    let mut least = f64::INFINITY;
-    for start in starts.into_iter().take(STARTS) {
-        least = least.min(moved_about(start, radius, enough, &height_at)?);
-        if least <= enough {
-            break;
-        }
-    }
-    Ok(least)
+    axes
 }
 
-/// The least height, mm, that is found by moving the axis to better places.
-fn moved_about(
-    (mut axis, mut left): (Vector2<f64>, f64),
-    radius: f64,
-    enough: f64,
-    height_at: &impl Fn(Vector2<f64>) -> Result<f64, Stopped>,
-) -> Result<f64, Stopped> {
-    let mut by = FIRST_MOVE * radius;
-    for _ in 0..MOVES {
-        if left <= enough || by < LAST_MOVE * radius {
-            break;
-        }
-        let mut is_nearer = false;
-        for way in [Vector2::x(), Vector2::y(), -Vector2::x(), -Vector2::y()] {
-            let next = axis + way * by;
-            let there = height_at(next)?;
-            if there < left {
-                (axis, left, is_nearer) = (next, there, true);
-                break;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lower_side_touches_the_plane_at_the_first_axis() {
+        let point = Point3::new(3.0, -2.0, 1.0);
+        for cutter in [Cutter::ball(4.0), Cutter::bull_nose(4.0, 1.0), Cutter::bull_nose(4.0, 0.0)] {
+            for normal in [Vector3::new(0.3, -0.4, 1.0), Vector3::new(1.0, 0.0, 0.0)].map(|n| n.normalize()) {
+                let axis = axes(&cutter, &point, &normal)[0];
+                let off = point.coords.xy() - axis;
+                // The point lies against the normal from the axis.
+                assert!(off.dot(&normal.xy()) < 0.0 && off.norm() <= cutter.radius() + 1e-12);
             }
         }
-        by *= if is_nearer { 1.0 } else { 0.5 };
     }
-    Ok(left)
 }

@@ -1,5 +1,5 @@
-//! Bounds the height of scallops: of the material that a ball cutter leaves between passes in parallel
-//! planes.
+//! Estimates the height of scallops: of the material that a ball cutter leaves between neighbouring passes in
+//! parallel planes. The stepover of a job is chosen by it. What is left is proved by `leftover`.
 //!
 //! # Method
 //! 1. Let a ball touch the surface anywhere. From its centre, follow the offset surface straight up or down

@@ -35,11 +35,12 @@ use nalgebra::Point3;
 use super::deviation::Deviation;
 use super::passes::CutPass;
 use super::{
-    CERTIFICATE_GAP, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning, certificate, data_warnings,
+    CERTIFICATE_GAP, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning, certificate, counts, data_warnings,
 };
 use crate::budget::Budget;
 use crate::geometry::arc_fit::{Fit, FitError, Joints, Shapes, fit_in_space};
 use crate::geometry::curve::{Curve, Line};
+use crate::geometry::following;
 use crate::geometry::plane::Plane;
 use crate::geometry::spacing::spaces;
 use crate::geometry::surface::{BezierSurface, Patch};
@@ -114,11 +115,13 @@ pub(super) fn plan<P: Patch>(
         deviation_max_mm: passes.iter().map(|pass| pass.deviation.bound_mm).fold(0.0, f64::max),
         gouge_max_mm: if deepest.bound_mm > LEAST_DEPTH_MM { deepest.bound_mm } else { 0.0 },
         gouge_at: deepest.at,
-        rest_sampled_max_mm: None,
-        rest_at: None,
         scallop_max_mm: None,
+        scallop_at: None,
+        rest_max_mm: None,
+        rest_at: None,
         n_arcs: 0,
         n_lines: passes.iter().map(|pass| pass.curves.len()).sum(),
+        elements_per_pass: counts::elements(&passes),
     };
     let warnings = warnings(job, &report);
     Ok(Plan { toolpath, report, cutting, warnings })
@@ -227,7 +230,8 @@ fn pass(
     let mut curves = Vec::with_capacity(pieces.len());
     let mut start = 0;
     for piece in pieces {
-        let off = tips[start..=piece.end].iter().map(|tip| piece.curve.distance_to(tip)).fold(0.0, f64::max);
+        // A line passes its tips in order, so that it is as near to the lines between them.
+        let off = following::from_points(&piece.curve, &tips[start..=piece.end]);
         let line = Line { start: piece.curve.start(), end: piece.curve.end() };
         let n_parts = n_parts(&line, job.step_length_mm);
         if curves.len() as f64 + n_parts > room as f64 {

@@ -6,13 +6,13 @@ use nalgebra::{Vector2, Vector3};
 
 use super::bound::{self, Circular, Family};
 use super::{
-    ACCEPTED_STEPS, ArcPart, Curves, Form, Grid, MAX_MISMATCH_STEPS, MAX_RADIUS_MM, MIN_SAGITTA_STEPS,
-    QuantizeError, Written,
+    ACCEPTED_STEPS, ArcPart, Curves, Form, Grid, MAX_MISMATCH_STEPS, MIN_SAGITTA_STEPS, QuantizeError,
+    Written,
 };
 use crate::geometry::curve::{Arc, Curve};
 
-/// Factor by which a written radius may exceed [`MAX_RADIUS_MM`], because that limit is meant for the
-/// source's radius.
+/// Factor by which a written radius may exceed [`Curves::largest_radius_mm`], because that limit is meant for
+/// the source's radius.
 const RADIUS_MARGIN: f64 = 1.01;
 
 /// A piece with its ends rounded, in coordinates of its plane: (first, second, normal), mm.
@@ -28,6 +28,8 @@ struct Rounded<'a> {
     mismatch_mm: f64,
     /// The largest bound of the distance from the source that is accepted, mm.
     accepted_mm: f64,
+    /// The largest radius that is written, mm.
+    largest_radius_mm: f64,
 }
 
 /// The arc nearest to `piece` among those with rounded ends and a centre on the grid, if one is near enough.
@@ -74,6 +76,7 @@ impl<'a> Rounded<'a> {
             source,
             mismatch_mm: runs.radius_mismatch_mm,
             accepted_mm: (ACCEPTED_STEPS - runs.reserved_steps(piece.arc)) * grid.step_mm(),
+            largest_radius_mm: RADIUS_MARGIN * runs.largest_radius_mm,
         })
     }
 
@@ -123,7 +126,7 @@ impl<'a> Rounded<'a> {
         let near = plane.to_workpiece(&Vector3::new(center.x, center.y, self.start.z));
         let exact = Arc::with_center_near(plane, arc.direction(), start, end, near).ok()?;
         let sagitta = 2.0 * exact.radius() * (exact.sweep() / 4.0).sin().powi(2);
-        if sagitta < MIN_SAGITTA_STEPS * step || exact.radius() > RADIUS_MARGIN * MAX_RADIUS_MM {
+        if sagitta < MIN_SAGITTA_STEPS * step || exact.radius() > self.largest_radius_mm {
             return None;
         }
         let exactly = Circular::of(&exact);

@@ -71,7 +71,7 @@ fn check(arc: &Arc, resolution: Resolution) -> Vec<Written> {
             assert!(exact.sweep() < TAU || arc.sweep() == TAU);
             let sagitta = 2.0 * exact.radius() * (exact.sweep() / 4.0).sin().powi(2);
             assert!(sagitta >= MIN_SAGITTA_STEPS * step - 1e-12);
-            assert!(exact.radius() <= 1.01 * MAX_RADIUS_MM);
+            assert!(exact.radius() <= 1.01 * Curves::ARCS.largest_radius_mm);
         }
         // Each point a control may pass is near the source, at about its fraction of the length.
         let share = block.curve.length() / whole;

@@ -8,7 +8,7 @@
 use nalgebra::Vector2;
 
 use super::NormalSweepError;
-use crate::geometry::profile::{Piece, Profile, Shape};
+use crate::geometry::profile::{Piece, Shape};
 
 /// A joint is smooth if the offset ends of the two neighbours are closer than this, mm. The offset distance
 /// is the farthest reach of the drive curve.
@@ -23,10 +23,10 @@ const LONGEST_MITRE: f64 = 20.0;
 /// # Errors
 /// When a cubic has no direction at an end, or a corner can have no mitre.
 pub(super) fn normals(
-    curve: &Profile<2>,
+    pieces: &[Piece<2>],
+    is_closed: bool,
     reach: [f64; 2],
 ) -> Result<Vec<[Vector2<f64>; 2]>, NormalSweepError> {
-    let pieces = curve.pieces();
     let mut normals = pieces.iter().map(own_normals).collect::<Result<Vec<_>, _>>()?;
     let reach = reach[0].abs().max(reach[1].abs());
     for k in 1..pieces.len() {
@@ -38,7 +38,7 @@ pub(super) fn normals(
             return Err(NormalSweepError::Corner { place: pieces[k - 1].place, turn_deg: turn_deg(meeting) });
         }
     }
-    if let ([first, .., last], true) = (pieces, curve.is_closed()) {
+    if let ([first, .., last], true) = (pieces, is_closed) {
         let end = pieces.len() - 1;
         if are_lines(last, first) {
             let mitre = mitre([normals[end][1], normals[0][0]], last.place)?;

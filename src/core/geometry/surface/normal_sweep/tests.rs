@@ -6,8 +6,11 @@ use crate::geometry::bernstein::derived;
 use crate::geometry::profile::drawn::{chain, polyline, quarter, smooth};
 use crate::geometry::surface::{Jet, Surface, joints};
 
+/// Tests of basic curves that leave the plane.
+mod in_space;
+
 fn sweep(basic: &Profile<2>, drive: &Profile<2>) -> NormalSweep {
-    NormalSweep { basic: basic.clone(), drive: drive.clone() }
+    NormalSweep { basic: basic.mapped(|p| Point3::new(p.x, p.y, 0.0)), drive: drive.clone() }
 }
 
 fn swept(basic: &Profile<2>, drive: &Profile<2>) -> AnySurface {
@@ -122,14 +125,16 @@ fn along_a_smooth_curve_the_surface_is_within_the_tolerance() {
     for left in [0.0, 2.0, -7.0] {
         let drive = rib(left);
         let parts = |piece: &Piece<2>| match piece.shape {
-            Shape::Cubic(points) => unit_normal::parts(points, drive.range(0), 1000).unwrap(),
+            Shape::Cubic(points) => {
+                unit_normal::parts(points.map(|p| Point3::new(p.x, p.y, 0.0)), drive.range(0), 1000).unwrap()
+            }
             ref other => panic!("{other:?}"),
         };
         let parts: Vec<_> = basic.pieces().iter().flat_map(parts).collect();
         assert!(parts.len() < 300, "{}", parts.len());
         let mut worst: f64 = 0.0;
         for part in &parts {
-            let d = derived(&part.points.map(|p| p.coords));
+            let d = derived(&part.points.map(|p| p.coords.xy()));
             let normal = Shape::Cubic(part.normals.map(Point2::from));
             for k in 0..=50 {
                 let t = f64::from(k) / 50.0;

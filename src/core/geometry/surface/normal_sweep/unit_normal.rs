@@ -1,6 +1,6 @@
-//! Approximates the unit normal along a plane cubic by cubics. The exact unit normal is not a polynomial. So
-//! the plane cubic is divided into parts, and each part gets a cubic that has the values and the derivatives
-//! of the unit normal at both ends of the part.
+//! Approximates the unit normal along the projection of a cubic on the xy plane by cubics. The exact unit
+//! normal is not a polynomial. So the plane cubic is divided into parts, and each part gets a cubic that has
+//! the values and the derivatives of the unit normal at both ends of the part.
 //!
 //! The points of the swept surface lie beside the plane cubic along its unit normal. The drive curve of the
 //! sweep gives their distances.
@@ -13,7 +13,7 @@
 //!    distance from the part) runs backward. The parallel curves at the least and at the largest distance of
 //!    the drive curve are examined. If these two do not run backward, no parallel curve between them does.
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Point3, Vector2};
 
 use super::TOLERANCE_MM;
 use crate::geometry::bernstein::{derived, dot, lowest, magnitude};
@@ -23,7 +23,8 @@ const MOST_HALVINGS: usize = 30;
 
 /// A part of the cubic, and the cubic that replaces its unit normal.
 pub(super) struct CubicPart {
-    pub(super) points: [Point2<f64>; 4],
+    /// In space; the normals belong to its projection on the xy plane.
+    pub(super) points: [Point3<f64>; 4],
     pub(super) normals: [Vector2<f64>; 4],
 }
 
@@ -41,7 +42,7 @@ pub(super) enum NormalFault {
 /// Parts from the start to the end of the cubic, at most `room`. The drive curve reaches from `reach[0]` to
 /// `reach[1]` mm to the left.
 pub(super) fn parts(
-    cubic: [Point2<f64>; 4],
+    cubic: [Point3<f64>; 4],
     reach: [f64; 2],
     room: usize,
 ) -> Result<Vec<CubicPart>, NormalFault> {
@@ -68,8 +69,8 @@ pub(super) fn parts(
 }
 
 impl CubicPart {
-    fn of(points: [Point2<f64>; 4], reach: [f64; 2]) -> Result<Self, NormalFault> {
-        let [a, b, c, d] = points;
+    fn of(points: [Point3<f64>; 4], reach: [f64; 2]) -> Result<Self, NormalFault> {
+        let [a, b, c, d] = points.map(|p| p.xy());
         let [from, by_from] = end_normal((b - a) * 3.0, ((c - b) - (b - a)) * 6.0, reach)?;
         let [to, by_to] = end_normal((d - c) * 3.0, ((d - c) - (c - b)) * 6.0, reach)?;
         Ok(Self { points, normals: [from, from + by_from / 3.0, to - by_to / 3.0, to] })
@@ -77,14 +78,14 @@ impl CubicPart {
 
     /// The fold at the start of this part, on the side to which the curve turns.
     fn fold(&self, [low, high]: [f64; 2]) -> NormalFault {
-        let along = self.points[1] - self.points[0];
+        let along = (self.points[1] - self.points[0]).xy();
         let curvature = -(self.normals[1] - self.normals[0]).dot(&along) / along.norm_squared();
         let reach = if curvature > 0.0 { high } else { low };
         NormalFault::Fold { reach, radius_mm: 1.0 / curvature.abs() }
     }
 
     fn derivative(&self) -> Vec<Vector2<f64>> {
-        derived(&self.points.map(|p| p.coords))
+        derived(&self.points.map(|p| p.coords.xy()))
     }
 
     /// An upper bound of the distance between the cubic q of the normals and the unit normal n; infinite
@@ -110,7 +111,7 @@ impl CubicPart {
     /// one: that (c' + q' x) . c' is above zero. This is linear in x.
     fn may_run_backward(&self, x: f64) -> bool {
         let derivative = self.derivative();
-        let beside = self.points.iter().zip(&self.normals).map(|(p, n)| p.coords + n * x);
+        let beside = self.points.iter().zip(&self.normals).map(|(p, n)| p.coords.xy() + n * x);
         let beside = derived(&beside.collect::<Vec<_>>());
         // Zero, negative or NaN.
         lowest(&dot(&beside, &derivative)).partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater)
@@ -135,8 +136,8 @@ fn end_normal(
 }
 
 /// The two halves, by the algorithm of de Casteljau.
-fn halves([a, b, c, d]: [Point2<f64>; 4]) -> [[Point2<f64>; 4]; 2] {
-    let middle = |p: &Point2<f64>, q: &Point2<f64>| nalgebra::center(p, q);
+fn halves([a, b, c, d]: [Point3<f64>; 4]) -> [[Point3<f64>; 4]; 2] {
+    let middle = |p: &Point3<f64>, q: &Point3<f64>| nalgebra::center(p, q);
     let (ab, bc, cd) = (middle(&a, &b), middle(&b, &c), middle(&c, &d));
     let (abc, bcd) = (middle(&ab, &bc), middle(&bc, &cd));
     let at = middle(&abc, &bcd);

@@ -70,6 +70,10 @@ impl Patch for BicubicPatch {
         [low, high]
     }
 
+    fn degree(&self) -> [usize; 2] {
+        [3, 3]
+    }
+
     fn control_points(&self) -> impl Iterator<Item = Vector3<f64>> {
         self.net.as_flattened().iter().copied()
     }
@@ -129,11 +133,17 @@ impl Patch for BicubicPatch {
             let coordinate: Net = self.net.map(|row| row.map(|p| (p - origin).dot(axis)));
             add_square(&mut sum, coordinate, *weight);
         }
-        let mut bound = SquareBound { lowest: f64::INFINITY, magnitude: 0.0, bends: [0.0; 2] };
+        let mut bound = SquareBound {
+            lowest: f64::INFINITY,
+            highest: f64::NEG_INFINITY,
+            magnitude: 0.0,
+            bends: [0.0; 2],
+        };
         for (row, cu) in sum.iter_mut().zip(BINOMIAL_6) {
             for (x, cv) in row.iter_mut().zip(BINOMIAL_6) {
                 *x /= cu * cv;
                 bound.lowest = bound.lowest.min(*x);
+                bound.highest = bound.highest.max(*x);
                 bound.magnitude = bound.magnitude.max(x.abs());
             }
         }

@@ -141,6 +141,10 @@ impl<const N: usize> Patch for RationalPatch<N> {
         in_space(&curve_jet(&along_v, p, 0.5)[0])
     }
 
+    fn degree(&self) -> [usize; 2] {
+        self.degree
+    }
+
     fn control_points(&self) -> impl Iterator<Item = Vector3<f64>> {
         self.entries().map(|p| in_space(&p))
     }
@@ -245,7 +249,12 @@ impl<const N: usize> Patch for RationalPatch<N> {
         let mut scale = Product::zero(self.degree);
         scale.add_square(&|a, b| self.net[a][b].w, 1.0);
         let quotients = squares.over(&scale);
-        SquareBound { lowest: quotients.lowest(), magnitude, bends: quotients.bends() }
+        SquareBound {
+            lowest: quotients.lowest(),
+            highest: quotients.highest(),
+            magnitude,
+            bends: quotients.bends(),
+        }
     }
 }
 

@@ -18,9 +18,12 @@
 //! The distance of the tips from the chords of a section is proved. So are the contacts at the ends of the
 //! section.
 
+mod ends;
+
 use nalgebra::{Point3, Vector2};
 
 use super::TipSections;
+use super::counting::Counting;
 use crate::budget::Budget;
 use crate::geometry::surface::patch::Patch;
 use crate::machining::drop_cutter::Contact;
@@ -41,14 +44,14 @@ const SEARCH_STEP: f64 = 0.05;
 /// Largest number of points over one line.
 const POINT_LIMIT: usize = 1_000_000;
 
-/// Largest number of halvings between a position that counts and one that does not.
-const HALVINGS: usize = 60;
-
 /// Intervals between two looks at the budget.
 const INTERVALS_BETWEEN_CHECKS: usize = 16;
 
 /// Height difference, mm, above which two tips belong to different contacts.
 const HIGHER_MM: f64 = 1e-8;
+
+/// Distance in parameters above which two contacts at one position are different.
+const SAME_PLACE: f64 = 1e-6;
 
 /// Largest slope of a contact at which the tip's height is corrected for the distance between the traced
 /// plane and the plane of the pass. On a steeper slope a tiny move to the side has the same effect.
@@ -58,7 +61,11 @@ const STEEPEST_RISE: f64 = 10.0;
 const TRUSTED_LENGTH: f64 = 0.01;
 
 /// Number of contacts that are found by drops after a contact of Newton's method was not the highest.
-const DISTRUSTED: usize = 32;
+const DISTRUSTED: usize = 4;
+
+/// Length, in units of `Contacts::scale`, up to which a crossing of two contacts is looked for. Over a longer
+/// interval there may be other contacts between.
+const CROSSING_LENGTH: f64 = 1.0;
 
 /// Intervals shorter than this, mm, are halved only at walls and at ends of sections, about seven times each.
 /// A line on which more than `SHORT_LIMIT` of them are halved grazes a wall.
@@ -67,10 +74,6 @@ const SHORT_LIMIT: usize = 1000;
 
 /// Accuracy of tips at positions that do not count, as a share of the chord height.
 const ROUGH_SHARE: f64 = 0.05;
-
-/// Distance from the rim of the flat, as a share of the flat's radius, up to which a contact counts as on the
-/// rim. Rounding hides how steep it is.
-const ON_RIM: f64 = 1e-6;
 
 /// A position along the line, mm, with the contact there if it counts.
 #[derive(Debug, Clone, Copy)]
@@ -87,6 +90,7 @@ fn is_proved(contact: &Contact) -> bool {
 /// The sections over one line.
 pub(super) struct Trace<'a, P> {
     sections: &'a TipSections<'a, P>,
+    counting: Counting,
     plane: PlaneAt,
     spacing: Spacing,
     budget: &'a Budget,
@@ -103,12 +107,14 @@ pub(super) struct Trace<'a, P> {
 impl<'a, P: Patch> Trace<'a, P> {
     pub(super) fn new(
         sections: &'a TipSections<'a, P>,
+        counting: Counting,
         plane: PlaneAt,
         spacing: Spacing,
         budget: &'a Budget,
     ) -> Self {
         Self {
             sections,
+            counting,
             plane,
             spacing,
             budget,
@@ -205,6 +211,10 @@ impl<'a, P: Patch> Trace<'a, P> {
 
     /// Puts the halves of an interval on `open`.
     fn halve(&mut self, [from, to]: [Probe; 2], open: &mut Vec<[Probe; 2]>) -> Result<(), SectionError> {
+        if let Some([first, second]) = self.crossing(&from, &to) {
+            open.extend([[second, to], [from, first]]);
+            return Ok(());
+        }
         let at = 0.5 * (from.at + to.at);
         self.n_short += usize::from(to.at - from.at < SHORT_MM);
         let near = from.contact.or(to.contact).map(|contact| contact.place);
@@ -216,6 +226,17 @@ impl<'a, P: Patch> Trace<'a, P> {
         };
         open.extend([[middle, to], [from, middle]]);
         Ok(())
+    }
+
+    /// Where the contact followed from one end of an interval gives way to the contact followed from the
+    /// other end: the same position with both contacts.
+    fn crossing(&self, from: &Probe, to: &Probe) -> Option<[Probe; 2]> {
+        let is_long =
+            to.at - from.at > SHORT_MM && to.at - from.at <= CROSSING_LENGTH * self.sections.contacts.scale;
+        let (Some(first), Some(last), true) = (from.contact, to.contact, is_long) else { return None };
+        let crossing = self.sections.contacts.crossing(&first, &last)?;
+        let is_counted = crossing.iter().all(|contact| self.sections.counts(self.counting, contact));
+        is_counted.then(|| crossing.map(|contact| Probe { at: self.at(&contact), contact: Some(contact) }))
     }
 
     /// Puts an interval on `open` again, with contacts at its ends that are proved to be the highest. If the
@@ -236,12 +257,24 @@ impl<'a, P: Patch> Trace<'a, P> {
             self.n_distrusted = DISTRUSTED;
         }
         match (self.points.last(), &from.contact) {
-            (Some(last), Some(first)) if self.point(first) != *last => self.points.push(self.point(first)),
+            (Some(last), Some(first)) if (self.point(first) - last).norm() > HIGHER_MM => {
+                self.points.push(self.point(first))
+            }
             (Some(_), None) => self.finish(),
             _ => {}
         }
         if let Some([begin, _]) = open.last_mut() {
-            *begin = to;
+            // At a crossing the next interval begins with the other contact, which is as high.
+            let is_crossing = match (&begin.contact, &to.contact) {
+                (Some(other), Some(own)) => {
+                    (0..2).any(|k| (other.place[k] - own.place[k]).abs() > SAME_PLACE)
+                        && !is_other(&to, begin)
+                }
+                _ => false,
+            };
+            if !is_crossing {
+                *begin = to;
+            }
         }
         open.push([from, to]);
         Ok(())
@@ -298,7 +331,15 @@ impl<'a, P: Patch> Trace<'a, P> {
         let steep = height * (1.0 + (rise / across).powi(2)).sqrt();
         let below = if steep <= 0.25 * way.norm() { steep } else { height };
         let above = if is_proved(from) && is_proved(to) { below } else { height };
-        self.sections.contacts.stretch(from, to, [below, above])
+        // A contact on a seam or a pole has several names in parameters. The proof needs names that are near
+        // each other.
+        let contacts = self.sections.contacts;
+        let renamed = |one: &Contact, other: &Contact| Contact {
+            place: contacts.topology.nearest_name(one.place, other.place),
+            ..*one
+        };
+        let from = renamed(from, to);
+        contacts.stretch(&from, &renamed(to, &from), [below, above])
     }
 
     /// Adds the way up or down a wall, with points no farther apart than the step length.
@@ -334,7 +375,7 @@ impl<'a, P: Patch> Trace<'a, P> {
     /// ends.
     fn probe(&self, at: f64, near: Option<[f64; 2]>) -> Result<Probe, SectionError> {
         let contact = self.sections.contacts.drop(self.position(at), near, self.budget)?;
-        Ok(Probe { at, contact: contact.filter(|contact| self.counts(contact)) })
+        Ok(Probe { at, contact: contact.filter(|contact| self.sections.counts(self.counting, contact)) })
     }
 
     /// As [`Self::probe`], for positions that mostly do not count. A contact that does not count is found
@@ -342,7 +383,9 @@ impl<'a, P: Patch> Trace<'a, P> {
     fn probe_roughly(&self, at: f64, near: Option<[f64; 2]>) -> Result<Probe, SectionError> {
         let accuracy = ROUGH_SHARE * self.spacing.chord_height_mm;
         match self.sections.contacts.drop_within(accuracy, self.position(at), near, self.budget)? {
-            Some(contact) if self.counts(&contact) => self.probe(at, Some(contact.place)),
+            Some(contact) if self.sections.counts(self.counting, &contact) => {
+                self.probe(at, Some(contact.place))
+            }
             _ => Ok(Probe { at, contact: None }),
         }
     }
@@ -352,57 +395,6 @@ impl<'a, P: Patch> Trace<'a, P> {
     /// proof.
     fn followed(&self, at: f64, guess: [f64; 2]) -> Option<Contact> {
         let contact = self.sections.contacts.near(self.position(at), guess)?;
-        self.counts(&contact).then_some(contact)
-    }
-
-    /// Whether a section runs through a contact. It does not where the cutter touches an edge at which the
-    /// surface ends. Where the cutter stands level, it does only while its axis is over the surface.
-    fn counts(&self, contact: &Contact) -> bool {
-        let contacts = self.sections.contacts;
-        if contact.is_rolling {
-            return false;
-        }
-        let is_level = contact.slope <= contacts.level_slope() && {
-            let off = (contact.point - contact.tip).xy().norm();
-            let [flat, corner] = [contacts.cutter.flat_radius(), contacts.cutter.corner_radius()];
-            off < (1.0 - ON_RIM) * flat || flat > 0.0 && (corner > 0.0 || contacts.is_level_at(contact.place))
-        };
-        !is_level || contacts.is_over(contact)
-    }
-
-    /// The last position that counts on the way from `counting` to `outside`, which does not count; and a
-    /// position just beyond it.
-    fn last_counting(&self, counting: Contact, outside: f64) -> Result<[Probe; 2], SectionError> {
-        // Mostly it is the last position to which Newton's method can follow the contact.
-        let followed = self.last(counting, outside, |at, near| Ok(self.followed(at, near)))?;
-        if let [Probe { at, contact: Some(last) }, beyond] = followed {
-            let found = self.probe(at, Some(last.place))?.contact;
-            let beyond = self.probe(beyond.at, Some(last.place))?;
-            if found.is_some_and(|found| found.tip.z <= last.tip.z + HIGHER_MM) && beyond.contact.is_none() {
-                return Ok([Probe { at, contact: found }, beyond]);
-            }
-        }
-        self.last(counting, outside, |at, near| Ok(self.probe(at, Some(near))?.contact))
-    }
-
-    fn last(
-        &self,
-        mut counting: Contact,
-        mut outside: f64,
-        look: impl Fn(f64, [f64; 2]) -> Result<Option<Contact>, SectionError>,
-    ) -> Result<[Probe; 2], SectionError> {
-        for _ in 0..HALVINGS {
-            let at = self.at(&counting);
-            if (at - outside).abs() <= END_MM {
-                break;
-            }
-            let middle = 0.5 * (at + outside);
-            match look(middle, counting.place)? {
-                Some(contact) => counting = contact,
-                None => outside = middle,
-            }
-        }
-        let last = Probe { at: self.at(&counting), contact: Some(counting) };
-        Ok([last, Probe { at: outside, contact: None }])
+        self.sections.counts(self.counting, &contact).then_some(contact)
     }
 }

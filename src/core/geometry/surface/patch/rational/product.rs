@@ -63,6 +63,10 @@ impl Product {
         self.rows().flatten().copied().fold(f64::INFINITY, f64::min)
     }
 
+    pub(super) fn highest(&self) -> f64 {
+        self.rows().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// The largest absolute second differences of the coefficients along u and v.
     pub(super) fn bends(&self) -> [f64; 2] {
         let bend = |a: f64, b: f64, c: f64| (a - 2.0 * b + c).abs();

@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::SHEET_MM;
 use super::class::Class;
-use super::layout::{BORDER_MM, COLUMN_X_MM, Layout};
+use super::layout::{BORDER_MM, COLUMN_X_MM, Layout, Projection};
 use super::number::{RoundNumber, fixed, with_decimals};
 use super::text::{self, SIZE_MM, TITLE_SIZE_MM, escape};
 use super::{Scene, marks, relief};
@@ -44,13 +44,13 @@ pub fn border() -> String {
 /// Legend, notes and title block. `raster_mm` is the cell size of the raster if strokes were left out.
 pub fn draw(scene: &Scene, layout: &Layout, used: &[Class], raster_mm: Option<f64>) -> String {
     let left_out = raster_mm.map(|mm| format!("Strokes within {mm} mm of others on paper are left out."));
-    let (legend, below) = legend(scene, used);
+    let (legend, below) = legend(scene, used, layout.projection);
     legend
         + &notes(scene.notes.iter().map(String::as_str), left_out.as_deref(), below)
         + &title(scene.title)
         + &bounds(layout)
         + &moves(scene)
-        + &scale(layout.scale)
+        + &scale(layout.scale, layout.projection)
 }
 
 /// The column of a sheet without a drawing.
@@ -62,7 +62,7 @@ pub fn refusal(scene: &Scene, reason: &str) -> String {
 }
 
 /// The legend, and the place of its lower end, mm of paper.
-fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
+fn legend(scene: &Scene, used: &[Class], projection: Projection) -> (String, f64) {
     let mut out = line("head", LEFT_MM, TOP_MM, "Legend");
     let mut y = TOP_MM;
     let mut entry = |sample: &dyn Fn(f64) -> String, label: &str| {
@@ -82,7 +82,7 @@ fn legend(scene: &Scene, used: &[Class]) -> (String, f64) {
         entry(&|y| marks::start(middle(y)), "start");
         entry(&|y| marks::cross(middle(y)), "end");
         let cuts = [Class::CutLine, Class::CutArc, Class::CutParabola];
-        if cuts.iter().any(|class| used.contains(class)) {
+        if projection == Projection::FirstAngle && cuts.iter().any(|class| used.contains(class)) {
             entry(&|y| marks::arrow(middle(y), Vector2::x()), "direction of the cut");
         }
     }
@@ -156,9 +156,15 @@ fn moves(scene: &Scene) -> String {
     line("", LEFT_MM, BLOCK_Y_MM + 37.0, &words)
 }
 
-/// The stated scale, a bar that stays true when the print is enlarged or reduced, and the symbol of
-/// first-angle projection.
-fn scale(scale: RoundNumber) -> String {
+/// The stated scale, a bar that stays true when the print is enlarged or reduced, and the projection. An
+/// isometric view has the scale along the axes.
+fn scale(scale: RoundNumber, projection: Projection) -> String {
+    let (words, symbol) = match projection {
+        Projection::FirstAngle => {
+            ("A4, first angle", first_angle(Point2::new(LEFT_MM + WIDTH_MM - 14.0, BLOCK_Y_MM + 46.5)))
+        }
+        Projection::Isometric => ("A4, along the axes", String::new()),
+    };
     let mut length = RoundNumber::at_least(BAR_MM / scale.value());
     while length.value() * scale.value() > BAR_MM {
         length = length.previous();
@@ -169,7 +175,7 @@ fn scale(scale: RoundNumber) -> String {
     format!(
         "{}{}<path d=\"M{} {}h{}v1.6h-{}z\"/>\n<rect x=\"{}\" y=\"{}\" width=\"{half}\" height=\"1.6\"/>\n{}{}{}",
         line("title", x, BLOCK_Y_MM + 45.0, &format!("Scale {}", scale.as_scale())),
-        line("right", LEFT_MM + WIDTH_MM, y + 5.0, "A4, first angle"),
+        line("right", LEFT_MM + WIDTH_MM, y + 5.0, words),
         fixed(x),
         fixed(y),
         fixed(bar),
@@ -178,7 +184,7 @@ fn scale(scale: RoundNumber) -> String {
         fixed(y),
         line("", x, y + 5.0, "0"),
         line("middle", x + bar, y + 5.0, &format!("{} mm", with_decimals(length.value(), length.decimals()))),
-        first_angle(Point2::new(LEFT_MM + WIDTH_MM - 14.0, BLOCK_Y_MM + 46.5)),
+        symbol,
     )
 }
 

@@ -34,11 +34,19 @@ const LARGEST_SCALE: i32 = 5;
 /// Least distance between ticks, mm of paper.
 const LEAST_STEP_MM: f64 = 9.0;
 
+/// What the sheet says about its views.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projection {
+    FirstAngle,
+    Isometric,
+}
+
 /// The views and their common figures.
 #[derive(Debug, Clone)]
 pub struct Layout {
     pub bounds: Bounds,
     pub scale: RoundNumber,
+    pub projection: Projection,
     /// Distance between ticks, mm of the part.
     pub step: RoundNumber,
     /// Plan, front, left side.
@@ -95,7 +103,7 @@ impl Layout {
             view("front", "Front", [0, 2], origin),
             view("left-side", "Left side", [2, 1], Point2::new(origin.x + x + GAP_MM, below)),
         ];
-        Ok(Self { bounds, scale, step: step(&bounds, scale), views })
+        Ok(Self { bounds, scale, projection: Projection::FirstAngle, step: step(&bounds, scale), views })
     }
 }
 

@@ -1,4 +1,5 @@
-//! Draws a toolpath, a surface or both as one SVG sheet: A4 landscape, to scale when printed.
+//! Draws a toolpath, a surface or both as one SVG sheet: A4 landscape, to scale when printed. [`svg`] draws
+//! three views; [`axonometric`](fn@axonometric) draws one.
 //!
 //! # Method
 //! 1. `layout` arranges three views in first-angle projection: plan, front and left side. It takes the
@@ -24,6 +25,7 @@
 //! O(n) for n moves and points.
 
 mod axes;
+mod axonometric;
 mod class;
 mod column;
 pub mod diagram;
@@ -38,6 +40,7 @@ mod tests;
 pub mod text;
 mod view;
 
+pub use axonometric::svg as axonometric;
 use nalgebra::Point3;
 
 use class::Class;

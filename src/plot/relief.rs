@@ -24,8 +24,7 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use super::layout::Layout;
 use super::view::View;
-use bands::Bands;
-pub use bands::legend;
+pub use bands::{Bands, legend};
 use border::Border;
 use tone::TONES;
 use toolpathd_core::geometry::mesh::Mesh;
@@ -56,12 +55,12 @@ pub struct Relief {
 
 /// A corner of a piece of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Corner {
-    at: Point2<f64>,
+pub struct Corner {
+    pub at: Point2<f64>,
     /// mm of the part.
-    height: f64,
+    pub height: f64,
     /// The light here minus the light on a level place; negative in shade.
-    light: f64,
+    pub light: f64,
 }
 
 /// The relief of `mesh`.

@@ -154,7 +154,14 @@ pub struct Rewriter {
 
 impl Rewriter {
     pub fn new(job: RewriteJob) -> Self {
-        let fit = Fit { joints: Joints::OnPoints, measure: Measure::Polyline, is_closed: false, ..job.fit };
+        let largest_radius_mm = job.fit.largest_radius_mm.min(job.dialect.curves.largest_radius_mm);
+        let fit = Fit {
+            joints: Joints::OnPoints,
+            measure: Measure::Polyline,
+            is_closed: false,
+            largest_radius_mm,
+            ..job.fit
+        };
         Self {
             job: RewriteJob { fit, ..job },
             modes: Modes::START,

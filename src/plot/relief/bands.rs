@@ -123,13 +123,18 @@ impl Bands {
         )
     }
 
-    /// The colour of a band.
+    /// The colour of a band for a style sheet.
     fn color(&self, band: usize) -> String {
+        let [r, g, b] = self.rgb(band);
+        format!("#{r:02x}{g:02x}{b:02x}")
+    }
+
+    /// The red, green and blue of a band.
+    pub fn rgb(&self, band: usize) -> [u8; 3] {
         let place = if self.levels.is_empty() { 1.0 } else { 2.0 * band as f64 / self.levels.len() as f64 };
         let (from, to) = if place < 1.0 { (RAMP[0], RAMP[1]) } else { (RAMP[1], RAMP[2]) };
         let share = if place < 1.0 { place } else { place - 1.0 };
-        let [r, g, b] = [0, 1, 2].map(|k| (from[k] + (to[k] - from[k]) * share).round() as u8);
-        format!("#{r:02x}{g:02x}{b:02x}")
+        [0, 1, 2].map(|k| (from[k] + (to[k] - from[k]) * share).round() as u8)
     }
 
     /// The numbers below a bar that is `width` mm of paper wide, with their places along it. All bands have

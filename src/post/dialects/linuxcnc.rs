@@ -12,6 +12,7 @@
 //! * The program ends with M30, without percent signs.
 
 use super::fanuc::TIP_CONTROL;
+use toolpathd_core::geometry::arc_fit::LARGEST_RADIUS_MM;
 use crate::dialect::{
     Abilities, Comment, Curves, Dialect, FiveAxisWords, Frame, Iso, Numbers, Point, Parabolas, SmoothingForm, SmoothingWords, Syntax, TipControl, Turns, Verification,
 };
@@ -38,7 +39,8 @@ pub const LINUXCNC: Dialect = Dialect {
     },
     // G5.1 needs G17, no Z word, and I and J in every block. It is not modal: a block behind it without a G
     // word would run as the last of G0 to G3.
-    curves: Curves { parabolas: Parabolas::InXy, ..Curves::ARCS },
+    // The interpreter has no largest radius.
+    curves: Curves { parabolas: Parabolas::InXy, largest_radius_mm: LARGEST_RADIUS_MM, ..Curves::ARCS },
     abilities: Abilities::USUAL,
     // A ten-thousandth of a degree would move a point 200 mm beside the axis by a third of a micrometre.
     rests_at_mm: None,

@@ -78,6 +78,7 @@ fn keeps_the_law(job: &Job, result: &Result<Plan, Error>) -> bool {
             | Error::OffsetFolds { .. }
             | Error::NothingToCut
             | Error::ToleranceNotReached { .. }
+            | Error::ScallopNotReached { .. }
             | Error::TooMuchWork { .. },
         ) => true,
         // The contact engine cannot trace some sections of a sheet that is folded in its own plane.

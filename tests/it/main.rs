@@ -10,3 +10,4 @@ mod nurbs;
 mod openapi;
 mod pocketing;
 mod surface_milling;
+mod wires;

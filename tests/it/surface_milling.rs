@@ -9,6 +9,7 @@ mod cutter;
 mod jobs;
 mod kinds;
 mod motion;
+mod seams;
 mod section;
 mod sharpness;
 mod spline;

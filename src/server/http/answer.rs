@@ -11,6 +11,7 @@ pub mod program_stream;
 pub mod sending;
 pub mod sheet;
 mod small_job;
+mod stages;
 mod streamed;
 #[cfg(test)]
 mod tests;
@@ -25,8 +26,8 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::byte_limit::ByteLimit;
-use super::compute::{Compute, Size, Step};
-use super::decode::IntoJob;
+use super::compute::{Compute, Failure, Size, Step};
+use super::decode::{IntoJob, SentJob};
 use super::dto::answer::{Answer, Head, NoMembers, PathMembers};
 use super::dto::axis_output::AxisSetup;
 use super::dto::check::MAX_MAGNITUDE_MM;
@@ -43,6 +44,7 @@ use crate::config::Limits;
 use encoded::{Encoded, file_name};
 use events::Begun;
 use small_job::SmallJob;
+use stages::Stages;
 use timing::{SERVER_TIMING, Timing};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::Toolpath;
@@ -170,13 +172,14 @@ where
     let tell_begun = begun.clone();
     let job = move |budget: &Budget| {
         let begun = Instant::now();
-        let job = match sent {
+        let SentJob { job, remarks } = match sent {
             Sent::Job(job) => job,
             Sent::Body(body) => body.job(&limits)?,
         };
         let parsed = Instant::now();
         tell_begun.tell();
-        let outcome = plan(job, budget)?;
+        let mut outcome = plan(job, budget)?;
+        outcome.warnings.splice(0..0, remarks);
         let computed = Instant::now();
         let encoded = represent(outcome, &form, budget)?;
         let encoded = if is_streamed { encoded } else { encoded.sealed(form.with_gzip)? };
@@ -190,16 +193,27 @@ where
         Ok::<_, ApiError>((encoded, timing))
     };
     if is_streamed {
-        let start = |listener| async move { Ok(compute.run(ticket, size, Some(listener), job).await??.0) };
+        let start = |listener| async move {
+            let stages = Arc::new(Stages::telling(listener));
+            let computed = compute.run(ticket, size, Some(stages.clone()), job).await;
+            Ok(flat(computed).map_err(|error| stages.explain(error))?.0)
+        };
         return events::stream(request_id, begun, start).await;
     }
-    let (encoded, timing) = compute.run(ticket, size, None, job).await??;
+    let stages = Arc::new(Stages::default());
+    let computed = compute.run(ticket, size, Some(stages.clone()), job).await;
+    let (encoded, timing) = flat(computed).map_err(|error| stages.explain(error))?;
     Ok(([(SERVER_TIMING, timing.header_value())], Extension(timing), encoded).into_response())
+}
+
+/// The result of a computation that ended, or why it did not end.
+fn flat<T>(computed: Result<Result<T, ApiError>, Failure>) -> Result<T, ApiError> {
+    computed?
 }
 
 /// What was sent: the job of a short body, or a long body.
 enum Sent<T: IntoJob> {
-    Job(T::Job),
+    Job(SentJob<T::Job>),
     Body(JobBody<T>),
 }
 
@@ -220,7 +234,7 @@ where
 
     fn size(&self) -> Size {
         match self {
-            Self::Job(job) if job.is_small() => Size::Small,
+            Self::Job(sent) if sent.job.is_small() => Size::Small,
             _ => Size::Large,
         }
     }
@@ -280,12 +294,12 @@ fn represent<R: Serialize + ToSchema, P: Product>(
             let picture = if !outcome.product.diagrams().is_empty() {
                 sheet::diagrams(&outcome)
             } else {
-                sheet::picture(&outcome)
+                sheet::picture(&outcome, form.view)
             };
             Ok(Encoded::text(picture, form.media_type))
         }
         Representation::Html => {
-            let (title, mut svg) = (sheet::title(&outcome), sheet::picture(&outcome));
+            let (title, mut svg) = (sheet::title(&outcome), sheet::picture(&outcome, form.view));
             if !outcome.product.diagrams().is_empty() {
                 svg += &sheet::diagrams(&outcome);
             }

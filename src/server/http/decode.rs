@@ -24,6 +24,7 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::error::{ApiError, Code, FieldCode};
+use super::messages::Warning;
 use super::pointer::Pointer;
 use crate::config::Limits;
 use contract::Contract;
@@ -33,6 +34,11 @@ use object::Object;
 pub trait IntoJob: DeserializeOwned + ToSchema + Send + 'static {
     type Job: Send + 'static;
 
+    /// Puts right in the request what is unambiguous, and tells what.
+    fn put_right(&mut self, _: &Limits) -> Vec<Warning> {
+        Vec::new()
+    }
+
     /// Checks the request and converts it.
     ///
     /// # Errors
@@ -40,19 +46,32 @@ pub trait IntoJob: DeserializeOwned + ToSchema + Send + 'static {
     fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError>;
 }
 
+/// A job, and what was put right in its request.
+pub struct SentJob<J> {
+    pub job: J,
+    pub remarks: Vec<Warning>,
+}
+
+impl<J> SentJob<J> {
+    fn of<T: IntoJob<Job = J>>(mut request: T, limits: &Limits) -> Result<Self, ApiError> {
+        let remarks = request.put_right(limits);
+        Ok(Self { job: request.into_job(limits)?, remarks })
+    }
+}
+
 /// Decodes a body and converts it to a job.
 ///
 /// # Errors
 /// `malformed_json`, or `invalid_request` with every violation.
-pub fn job<T: IntoJob>(body: &[u8], limits: &Limits) -> Result<T::Job, ApiError> {
+pub fn job<T: IntoJob>(body: &[u8], limits: &Limits) -> Result<SentJob<T::Job>, ApiError> {
     let text = json_text(body)?;
     if let Ok(Object(request)) = serde_json::from_str::<Object<T>>(text) {
-        return request.into_job(limits);
+        return SentJob::of(request, limits);
     }
     let mut value: Value = serde_json::from_str(text).map_err(not_json)?;
     let mut violations = Contract::of::<T>().check(&mut value);
     if let Ok(Object(request)) = serde_json::from_str::<Object<T>>(&value.to_string()) {
-        return request.into_job(limits);
+        return SentJob::of(request, limits);
     }
     if violations.total() == 0 {
         let detail = "the body does not fit the contract";

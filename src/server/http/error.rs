@@ -60,6 +60,8 @@ pub enum Code {
     FeedRequired,
     ToleranceBelowDecimals,
     ToleranceNotReached,
+    /// Passes along parallel planes leave more than the scallop height asked for.
+    ScallopNotReached,
     SectionLost,
     NothingToCut,
     ToolTooLarge,
@@ -109,6 +111,7 @@ impl Code {
             | Code::FeedRequired
             | Code::ToleranceBelowDecimals
             | Code::ToleranceNotReached
+            | Code::ScallopNotReached
             | Code::SectionLost
             | Code::NothingToCut
             | Code::ToolTooLarge
@@ -154,6 +157,7 @@ impl Code {
             Code::FeedRequired => "A program needs feeds",
             Code::ToleranceBelowDecimals => "The tolerance is finer than the written decimals",
             Code::ToleranceNotReached => "The tolerance was not reached",
+            Code::ScallopNotReached => "The scallop height was not reached",
             Code::SectionLost => "A section of the surface could not be followed",
             Code::NothingToCut => "There is nothing to cut",
             Code::ToolTooLarge => "The tool fits nowhere",
@@ -223,8 +227,9 @@ pub struct Problem {
     /// place of the body is to blame.
     errors: Vec<FieldError>,
     /// The place on the part, in mm. Present with `overhang`, `offset_folds`, `section_lost`,
-    /// `band_infeasible`, `tolerance_not_reached`, `tool_too_large` and `no_entry`, with `invalid_request`
-    /// where outlines cross, and with `not_smooth` unless `boundary: past` is to blame.
+    /// `band_infeasible`, `tolerance_not_reached`, `scallop_not_reached`, `tool_too_large` and `no_entry`,
+    /// with `invalid_request` where outlines cross, and with `not_smooth` unless `boundary: past` is to
+    /// blame.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Place>)]
     place: Option<[f64; 3]>,

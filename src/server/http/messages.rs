@@ -9,6 +9,8 @@ mod interpolation;
 mod milling;
 mod models;
 mod pocketing;
+mod points;
+mod reading;
 mod surfaces;
 mod warning;
 mod writing;
@@ -17,7 +19,10 @@ use nalgebra::Point2;
 
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::pointer::Pointer;
-pub use five_axis::{path_text, words_left_alone};
+pub use computing::too_slow;
+pub use five_axis::{path_text, words_left_alone, words_left_alone_in};
+pub use points::point_fault;
+pub use reading::not_read;
 pub use warning::{Warning, WarningCode};
 pub use writing::{missing, refused, smoothed_twice};
 

@@ -100,7 +100,7 @@ async fn progress_events_come_stage_by_stage_and_the_result_comes_last() {
         assert_eq!(data["fraction"], now as f64 / total as f64);
         done = now;
     }
-    assert_eq!(stages, ["sections", "certificate"]);
+    assert_eq!(stages, ["sections", "material left", "certificate"]);
     server.stop().await;
 }
 

@@ -192,3 +192,53 @@ async fn sweeps_that_need_too_many_patches_or_points_are_refused() {
     let refused = post(&few, MODEL, of(ruled(&zigzag(5), &zigzag(4))), &[]).await;
     assert_eq!(refused.violations(), [("limit_exceeded".to_owned(), "#/surface/first".to_owned())]);
 }
+
+#[tokio::test]
+async fn a_normal_sweep_follows_a_curve_in_space_and_refuses_one_that_stands_upright() {
+    let app = app(&["--workers", "1"]);
+    let rising = of(normal("l(0,0,0) l(20,0,6) l(20,30,4)", "l(0,0) l(4,5)"));
+    let report = post(&app, MODEL, rising, &[]).await.json()["report"].clone();
+    assert_eq!(report["bounds"], json!({ "min": [0.0, 0.0, 0.0], "max": [20.0, 30.0, 11.0] }));
+    let level = |basic: &str| of(normal(basic, "b((-2,0),(0,3),(2,0))"));
+    let [plane, space] = ["l(0,0) r(20,0,5) l(20,20)", "l(0,0,0) r(20,0,0,5) l(20,20,0)"].map(level);
+    let [plane, space] = [post(&app, MODEL, plane, &[]).await, post(&app, MODEL, space, &[]).await];
+    assert_eq!(plane.text(), space.text());
+    let upright = of(normal("l(0,0,0) l(20,0,0) l(20,0,9)", "l(0,0) l(4,5)"));
+    let refused = post(&app, MODEL, upright, &[]).await;
+    assert_eq!(refused.violations(), [("out_of_range".to_owned(), "#/surface/basic".to_owned())]);
+}
+
+#[tokio::test]
+async fn smooth_parts_are_read_as_the_paper_prints_them() {
+    let app = app(&["--workers", "1"]);
+    let of_drive = |drive: &str| of(parallel("l(0,0) l(30,0)", drive));
+    let [enclosed, printed] =
+        ["l(-5,0) b((0,0),(9,4),(20,0))", "l(-5,0) b(0,0), (9,4), (20,0)"].map(of_drive);
+    let [enclosed, printed] = [post(&app, MODEL, enclosed, &[]).await, post(&app, MODEL, printed, &[]).await];
+    assert_eq!((enclosed.status.as_u16(), enclosed.text()), (200, printed.text()));
+}
+
+#[tokio::test]
+async fn a_picture_is_axonometric_where_the_query_asks_for_it() {
+    let app = app(&["--workers", "1"]);
+    let milled = with_stepover(BEZIER_PATCHES);
+    for (path, body) in [(MODEL, NORMAL.to_owned()), (MILL, milled)] {
+        let picture =
+            async |query: &str| post(&app, &format!("{path}?format=svg{query}"), body.clone(), &[]).await;
+        let [plain, plan] = [picture("").await, picture("&view=plan").await];
+        assert_eq!(plain.text(), plan.text());
+        let axonometric = picture("&view=axonometric").await;
+        assert_eq!(axonometric.status, 200);
+        assert!(
+            axonometric.text().contains("id=\"axonometric\"") && !plain.text().contains("id=\"axonometric\"")
+        );
+        let refused = picture("&view=side").await;
+        assert_eq!((refused.status.as_u16(), refused.code().as_str()), (400, "invalid_query"));
+    }
+}
+
+fn with_stepover(body: &str) -> String {
+    let mut body = parsed(body);
+    body["strategy"]["stepover_mm"] = json!(15);
+    body.to_string()
+}

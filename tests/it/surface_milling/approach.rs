@@ -173,8 +173,8 @@ fn every_pass_has_the_entry_and_exit_asked_for_or_is_counted_in_a_warning() {
 
 #[test]
 fn an_entry_without_room_becomes_a_plunge_with_a_warning() {
-    // On slopes under 40 degrees an arc of 300 mm begins far above the retract plane.
-    let entry = Entry::Arc { radius_mm: 300.0 };
+    // On slopes under 40 degrees an arc of 5,000 mm, and one of a sixteenth of it, begins far above the retract plane.
+    let entry = Entry::Arc { radius_mm: 5000.0 };
     let job = Job { entry, ..die(PLANES[0], CutDirection::OneWay) };
     let plan = plan(&job, &Budget::unlimited()).unwrap();
     assert!(plan.warnings.contains(&Warning::EntryNotClear { count: plan.report.n_passes }));

@@ -226,12 +226,13 @@ fn vanishing_mm(job: &Job) -> f64 {
 
 /// Fails unless the planes are equally spaced, no farther apart than the stepover, and the first and the last
 /// are where the CL points end. At a sharp corner they may be farther inside, but only if a plane half as far
-/// inside holds no CL curve long enough to be cut.
+/// inside holds no CL curve long enough to be cut: pieces of a tenth of the radius are left out.
 fn planes_reach_from_end_to_end(job: &Job, planes: &[f64], locus: &Locus) {
     let (first, last, extent) = (planes[0], planes[planes.len() - 1], locus.extent());
     let reaches = [(first, extent[0]), (last, extent[1])].into_iter().all(|(plane, end)| {
         let before = locus.section(0.5 * (plane + end));
-        (plane - end).abs() < 0.01 || before.points().all(|p| before.is_speck(p, vanishing_mm(job)))
+        let shortest = vanishing_mm(job).max(LEFT_OUT_SHARE * job.tool.radius_mm);
+        (plane - end).abs() < 0.01 || before.points().all(|p| before.is_speck(p, shortest))
     });
     assert!(reaches, "the planes {planes:?} do not reach the ends {extent:?} of the CL points");
     let spacing = (last - first) / (planes.len() - 1) as f64;

@@ -69,6 +69,8 @@ export const smooth: Body<"smoothPath"> = {
   tolerance_deg: 0.5,
 };
 
+export const read: Body<"readProgram"> = { nc: "G21 G90\nG0 X0 Y0 Z5\nG1 X10 F500\nM2\n" };
+
 export const write: Body<"writeProgram"> = {
   toolpath: {
     start: [0, 0, 5],
@@ -94,7 +96,7 @@ export function length(move: components["schemas"]["Move"]): number {
 }
 
 // Does not compile when an operation with a body is missing above.
-type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "planPocket" | "smoothPath" | "writeProgram";
+type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "planPocket" | "readProgram" | "smoothPath" | "writeProgram";
 type WithBody = { [Name in keyof operations]: Body<Name> extends never ? never : Name }[keyof operations];
 export const every: WithBody extends Built ? true : never = true;
 

@@ -4,6 +4,7 @@ use super::{Cut, Outcome, Product};
 use crate::http::dto::meta;
 use crate::http::dto::setup::Setup;
 use crate::http::messages::Warning;
+use crate::http::request::negotiation::PictureView;
 use toolpathd_core::toolpath::cutting::{Coolant, Cutting};
 use toolpathd_core::toolpath::measure::measure;
 use toolpathd_core::toolpath::motion_time::motion_time;
@@ -17,8 +18,12 @@ use toolpathd_post::clock;
 const PART_ID: &str = "part_id";
 
 /// The picture as SVG, with the notes below it.
-pub fn picture<R, P: Product>(outcome: &Outcome<R, P>) -> String {
-    toolpathd_plot::svg(&Scene {
+pub fn picture<R, P: Product>(outcome: &Outcome<R, P>, view: PictureView) -> String {
+    let draw = match view {
+        PictureView::Plan => toolpathd_plot::svg,
+        PictureView::Axonometric => toolpathd_plot::axonometric,
+    };
+    draw(&Scene {
         title: &title(outcome),
         notes: &lines(outcome),
         toolpath: outcome.product.cut().map(|cut| &cut.toolpath),

@@ -16,6 +16,7 @@ use toolpathd_core::toolpath::tool::{Shape, Tool};
 use crate::http::dto::dropping::DropJob;
 use crate::http::dto::five_axis::SmoothJob;
 use crate::http::dto::modelling::ModelJob;
+use crate::http::dto::program_reading::ProgramReading;
 use crate::http::dto::program_writing::Writing;
 use crate::http::dto::setup::JobWithSetup;
 
@@ -74,6 +75,13 @@ impl SmallJob for Writing {
     /// A short body holds few moves.
     fn is_small(&self) -> bool {
         true
+    }
+}
+
+impl SmallJob for ProgramReading {
+    /// A short body may hold loops.
+    fn is_small(&self) -> bool {
+        !self.text.iter().any(|byte| b"#[LPKO".contains(&byte.to_ascii_uppercase()))
     }
 }
 
@@ -171,7 +179,7 @@ mod tests {
 
     fn is_small<T: IntoJob<Job: SmallJob>>(body: &serde_json::Value) -> bool {
         let job = job::<T>(body.to_string().as_bytes(), &Limits::DEFAULT);
-        job.map(|job| job.is_small()).unwrap_or_else(|error| panic!("{}", error.detail()))
+        job.map(|sent| sent.job.is_small()).unwrap_or_else(|error| panic!("{}", error.detail()))
     }
 
     /// A wave of 60 mm by 60 mm.

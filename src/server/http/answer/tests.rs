@@ -47,7 +47,7 @@ fn written_cut() -> Cut {
 }
 
 fn outcome<P>(product: P) -> Outcome<Report, P> {
-    let warning = Warning { code: WarningCode::PassesApart, detail: "far".to_owned() };
+    let warning = Warning { code: WarningCode::StripLeft, detail: "far".to_owned() };
     Outcome {
         meta: Some([("part_id".to_owned(), "7 <b>".to_owned())].into()),
         warnings: vec![warning],
@@ -65,8 +65,15 @@ async fn shown<P: Product>(
 ) -> Result<(String, String), ApiError> {
     let request_id = RequestId::of(&Default::default());
     let media_type = representation.media_types()[0];
-    let form =
-        Form { representation, media_type, with_toolpath, with_nc: false, with_gzip: false, request_id };
+    let form = Form {
+        representation,
+        media_type,
+        with_toolpath,
+        with_nc: false,
+        view: Default::default(),
+        with_gzip: false,
+        request_id,
+    };
     let response = represent(outcome, &form, &Budget::unlimited())?.into_response();
     let content_type = response.headers()[header::CONTENT_TYPE].to_str().expect("text").to_owned();
     let body = to_bytes(response.into_body(), usize::MAX).await.expect("a body");
@@ -84,7 +91,7 @@ async fn the_answer_has_the_members_of_the_contract() {
     assert_eq!(answer["engine_version"], ENGINE_VERSION);
     assert_eq!(answer["meta"], json!({ "part_id": "7 <b>" }));
     // First the warning of the operation, then the warnings that every toolpath gets.
-    assert_eq!(answer["warnings"][0]["code"], "passes_apart");
+    assert_eq!(answer["warnings"][0]["code"], "strip_left");
     assert_eq!(answer["warnings"][1]["code"], "no_spindle_speed");
     assert_eq!(answer["report"]["n_passes"], 1);
     assert_eq!(answer["measures"]["rapid_length_mm"], 10.0);

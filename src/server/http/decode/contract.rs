@@ -99,6 +99,31 @@ impl Contract {
         }
     }
 
+    /// Of the schemas that `schema` lets choose from, the one that takes a value of the type of `value`;
+    /// `schema` itself where there is no such choice.
+    fn alternative<'a>(&'a self, schema: &'a RefOr<Schema>, value: &Value) -> &'a RefOr<Schema> {
+        let own = match schema {
+            RefOr::T(own) => Some(own),
+            RefOr::Ref(reference) => {
+                let name = reference.ref_location.rsplit('/').next();
+                match name.and_then(|name| self.named.get(name)) {
+                    Some(RefOr::T(own)) => Some(own),
+                    _ => None,
+                }
+            }
+        };
+        let Some(Schema::OneOf(OneOf { discriminator: None, items, .. })) = own else { return schema };
+        let takes = |item: &&RefOr<Schema>| match item {
+            RefOr::T(Schema::Object(object)) => match type_of(&object.schema_type) {
+                Type::Number => value.is_number(),
+                Type::String => value.is_string(),
+                _ => false,
+            },
+            _ => false,
+        };
+        items.iter().find(takes).unwrap_or(schema)
+    }
+
     /// What a schema expects, for people.
     fn expectation(&self, schema: &Schema) -> String {
         match schema {
@@ -141,6 +166,7 @@ impl BodyCheck<'_> {
 
     fn value(&mut self, at: &Path, schema: &RefOr<Schema>, value: &mut Value) {
         let contract = self.contract;
+        let schema = contract.alternative(schema, value);
         let Some((name, schema)) = contract.resolved(schema) else { return };
         match (schema, &mut *value) {
             (Schema::Array(array), Value::Array(elements)) => self.elements(at, array, elements),

@@ -37,7 +37,7 @@ impl IntoJob for Outer {
 }
 
 fn decoded(body: &[u8]) -> Result<(), ApiError> {
-    job::<Outer>(body, &Limits::DEFAULT)
+    job::<Outer>(body, &Limits::DEFAULT).map(|sent| sent.job)
 }
 
 fn code_of(body: &str) -> Code {

@@ -45,6 +45,10 @@ pub struct Dialect {
     units: &'static [Units],
     /// The arcs that are written as arcs. All others become lines within the rounding of the program.
     arcs: Arcs,
+    /// The largest radius of an arc that is fitted or written as an arc, in mm. `heidenhain` and `mazak`:
+    /// from their manuals. `linuxcnc`: the service's own limit, since the control has none. Others: 10,000
+    /// mm, where no figure of the control is known.
+    largest_radius_mm: f64,
     /// Whether parabolas at one height are written as parabolas. All others become lines.
     parabolas: bool,
     /// Legal values of `program.work_offset`.
@@ -129,6 +133,7 @@ impl From<&toolpathd_post::Dialect> for Dialect {
             max_line_length: dialect.max_line_length,
             units: abilities.units,
             arcs: dialect.curves.arcs,
+            largest_radius_mm: dialect.curves.largest_radius_mm,
             parabolas: dialect.curves.parabolas != Parabolas::AsLines,
             work_offsets: abilities.work_offsets.iter().map(|number| format!("G{number}")).collect(),
             safe_home: abilities.safe_homes,

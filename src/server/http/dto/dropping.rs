@@ -14,6 +14,7 @@ use crate::config::Limits;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::ApiError;
+use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 use toolpathd_core::operations::cutter_location as core;
 
@@ -48,6 +49,10 @@ pub struct DropJob {
 
 impl IntoJob for DropRequest {
     type Job = DropJob;
+
+    fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
+        self.surface.put_right(limits)
+    }
 
     fn into_job(self, limits: &Limits) -> Result<DropJob, ApiError> {
         let Self { surface, tool, points, meta } = self;

@@ -1,13 +1,19 @@
 //! The request to interpolate a curve, and its conversion to a job.
 
+use std::fmt::{self, Formatter};
+
 use serde::Deserialize;
-use utoipa::ToSchema;
+use serde::de::{self, Deserializer, Visitor};
+use utoipa::openapi::RefOr;
+use utoipa::openapi::schema::{ObjectBuilder, OneOfBuilder, Schema, Type};
+use utoipa::{PartialSchema, ToSchema};
 
 use super::check::{Range, Violations};
 use super::curve::Curve;
 use super::cutting::Cutting;
 use super::meta::{Meta, MetaTexts};
 use super::program::Program;
+use super::schema::number;
 use super::setup::{JobWithSetup, SentSetup};
 use super::tool::Tool;
 use crate::config::Limits;
@@ -16,7 +22,8 @@ use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::deviation::{self, Measure};
-use toolpathd_core::operations::interpolation::{self as core, Joints, Method};
+use toolpathd_core::language::expression::LONGEST_TEXT;
+use toolpathd_core::operations::interpolation::{self as core, Joints, Method, Widths};
 
 /// Legal widths of each side of a band, mm. One side may be zero.
 const SIDES: Range = Range { min: 0.0, max: 10.0 };
@@ -109,17 +116,15 @@ pub enum Compensation {
 }
 
 /// The band around the curve. `below_mm` and `above_mm` together are at least 1e-6 mm.
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Band {
     /// Width of the band to the right of the curve, in mm, seen along the curve: below a graph. A wider band
     /// makes fewer elements.
-    #[schema(minimum = 0, maximum = 10)]
-    below_mm: f64,
+    below_mm: BandWidth,
     /// Width of the band to the left of the curve, in mm, seen along the curve: above a graph. A wider band
     /// makes fewer elements.
-    #[schema(minimum = 0, maximum = 10)]
-    above_mm: f64,
+    above_mm: BandWidth,
     /// How the distance from the curve is measured. `normal`: the shortest distance. `vertical`: the distance
     /// along y, for graphs only.
     #[serde(default)]
@@ -127,19 +132,89 @@ pub struct Band {
     measure: Measure,
 }
 
+/// The width of one side of a band.
+#[derive(Debug, Clone)]
+pub enum BandWidth {
+    Number(f64),
+    Expression(String),
+}
+
+impl BandWidth {
+    /// The number, or zero with the expression.
+    fn parts(self) -> (f64, Option<String>) {
+        match self {
+            Self::Number(mm) => (mm, None),
+            Self::Expression(text) => (0.0, Some(text)),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for BandWidth {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Read;
+
+        impl Visitor<'_> for Read {
+            type Value = BandWidth;
+
+            fn expecting(&self, f: &mut Formatter) -> fmt::Result {
+                f.write_str("a number of mm, or an expression in x as a string")
+            }
+
+            fn visit_f64<E: de::Error>(self, mm: f64) -> Result<BandWidth, E> {
+                Ok(BandWidth::Number(mm))
+            }
+
+            fn visit_u64<E: de::Error>(self, mm: u64) -> Result<BandWidth, E> {
+                Ok(BandWidth::Number(mm as f64))
+            }
+
+            fn visit_i64<E: de::Error>(self, mm: i64) -> Result<BandWidth, E> {
+                Ok(BandWidth::Number(mm as f64))
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<BandWidth, E> {
+                Ok(BandWidth::Expression(text.to_owned()))
+            }
+        }
+
+        deserializer.deserialize_any(Read)
+    }
+}
+
+/// What the contract says of a width.
+const BAND_WIDTH: &str = "Width of one side of a band: a number of mm, or an expression in x for its width in mm. An \
+    expression supports graphs only, and joints on the curve. Its x is that of the point of the curve from which the \
+    deviation is measured. Where it is below 0 the side has no width; it may be up to 10.";
+
+impl PartialSchema for BandWidth {
+    fn schema() -> RefOr<Schema> {
+        let text = ObjectBuilder::new()
+            .schema_type(Type::String)
+            .max_length(Some(LONGEST_TEXT))
+            .examples([serde_json::json!("0.01 + 0.002*x")]);
+        let one_of = OneOfBuilder::new().item(number(SIDES)).item(text);
+        one_of.description(Some(BAND_WIDTH)).into()
+    }
+}
+
+impl ToSchema for BandWidth {}
+
 impl Band {
-    fn convert(self, at: &Pointer, violations: &mut Violations) -> deviation::Band {
+    fn convert(self, at: &Pointer, violations: &mut Violations) -> (deviation::Band, Widths) {
         let Self { below_mm, above_mm, measure } = self;
+        let (below_mm, below) = below_mm.parts();
+        let (above_mm, above) = above_mm.parts();
         violations.number(&at.field("below_mm"), below_mm, SIDES, "mm");
         violations.number(&at.field("above_mm"), above_mm, SIDES, "mm");
-        if below_mm >= 0.0 && above_mm >= 0.0 && below_mm + above_mm < LEAST_WIDTH_MM {
+        let are_numbers = below.is_none() && above.is_none();
+        if are_numbers && below_mm >= 0.0 && above_mm >= 0.0 && below_mm + above_mm < LEAST_WIDTH_MM {
             let detail = format!(
                 "the band is {} mm wide; `below_mm` and `above_mm` together must be at least {LEAST_WIDTH_MM} mm",
                 below_mm + above_mm
             );
             violations.add(at, FieldCode::OutOfRange, detail);
         }
-        deviation::Band { below_mm, above_mm, measure }
+        (deviation::Band { below_mm, above_mm, measure }, Widths { below, above })
     }
 }
 
@@ -170,7 +245,7 @@ impl IntoJob for InterpolateRequest {
             violations.add(&root.field("joints"), FieldCode::Conflict, detail);
         }
         violations.integer(&root.field("initial_elements"), initial_elements, INITIAL_ELEMENTS);
-        let band = band.convert(&root.field("band"), &mut violations);
+        let (band, widths) = band.convert(&root.field("band"), &mut violations);
         let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
         let side = match compensation {
             Compensation::None => None,
@@ -195,6 +270,7 @@ impl IntoJob for InterpolateRequest {
             },
             initial_elements: initial_elements as usize,
             band,
+            widths,
             compensation: side.zip(setup.tool.map(|tool| tool.radius_mm)),
             z_mm: z_mm.unwrap_or(0.0),
             cutting,

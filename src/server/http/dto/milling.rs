@@ -16,6 +16,7 @@ use crate::config::Limits;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
+use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 use toolpathd_core::operations::surface_milling::{self as core, Boundary, Engine, Interpolation};
 use toolpathd_core::toolpath::units::Tolerance;
@@ -127,6 +128,10 @@ const ALLOWANCE: Range = Range { min: 0.0, max: 1000.0 };
 
 impl IntoJob for MillRequest {
     type Job = JobWithSetup<core::Job>;
+
+    fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
+        self.surface.put_right(limits)
+    }
 
     fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
         let Self {

@@ -11,6 +11,7 @@ use crate::config::Limits;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
 use crate::http::error::ApiError;
+use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::surface::any_surface::AnySurface;
 use toolpathd_core::geometry::surface::{
@@ -78,6 +79,10 @@ pub struct ModelJob {
 
 impl IntoJob for ModelRequest {
     type Job = ModelJob;
+
+    fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
+        self.surface.put_right(limits)
+    }
 
     fn into_job(self, limits: &Limits) -> Result<ModelJob, ApiError> {
         let Self { surface, wires, patches, meta } = self;

@@ -18,6 +18,7 @@ use super::tool::Tool;
 use crate::config::Limits;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
+use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 pub use cleared::Cleared;
 use relief::{Heights, IslandsBy, SentRelief};
@@ -163,6 +164,10 @@ impl PocketEntry {
 
 impl IntoJob for PocketRequest {
     type Job = JobWithSetup<core::Job>;
+
+    fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
+        self.surface.as_mut().map(|surface| surface.put_right(limits)).unwrap_or_default()
+    }
 
     fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
         let Self {

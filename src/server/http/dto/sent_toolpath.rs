@@ -36,6 +36,7 @@ pub struct SentToolpath {
 struct SentPass {
     level: Option<u32>,
     axis: Option<Coordinates<3>>,
+    start: Option<Point>,
     moves: Vec<Move>,
 }
 
@@ -72,11 +73,14 @@ impl SentToolpath {
         check_point(&start, || at.field("start"), violations);
         let builder = Toolpath::builder(start.into());
         let mut reader = Reader { builder, moved_mm: 0.0, reading, violations };
-        for (k, SentPass { level, axis, moves }) in passes.into_iter().enumerate() {
+        for (k, SentPass { level, axis, start, moves }) in passes.into_iter().enumerate() {
             if let Some(level) = level.filter(|level| *level > MAX_LEVEL) {
                 reader.violations.integer(&at_passes.index(k).field("level"), level, (0, MAX_LEVEL));
             }
             reader.begin_pass(level, axis, &moves, || at_passes.index(k));
+            if let Some(start) = start {
+                reader.goes_unseen(start, || at_passes.index(k).field("start"));
+            }
             for (n, step) in moves.iter().enumerate() {
                 reader.step(step, || at_passes.index(k).field("moves").index(n));
             }
@@ -117,6 +121,14 @@ impl Reader<'_> {
         // A wrong axis is reported where the move is read.
         let axis = axis::unit(first, &at(), &mut Violations::default());
         self.builder.begin_leaning_pass(level, axis.unwrap_or(Vector3::z_axis()));
+    }
+
+    /// The tool is at `start`, on a way that is not known. No program can be written of such a toolpath.
+    fn goes_unseen(&mut self, start: Point, at: impl Fn() -> Pointer) {
+        check_point(&start, &at, self.violations);
+        let detail =
+            "the way to this place is not known, so no program can be written; send a rapid there instead";
+        self.violations.add(&at(), FieldCode::Unsupported, detail);
     }
 
     /// The tool axis at the end of the next move.

@@ -3,7 +3,6 @@
 mod bezier_patches;
 mod ferguson;
 mod grid;
-mod grid_order;
 mod normal_sweep;
 pub mod nurbs;
 mod parallel_sweep;
@@ -17,6 +16,7 @@ use super::check::Violations;
 use super::point::Point;
 use crate::config::Limits;
 use crate::http::decode::tagged::by_kind;
+use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 pub use bezier_patches::BezierPatches;
 pub use ferguson::Ferguson;
@@ -43,6 +43,14 @@ by_kind! {
 }
 
 impl Surface {
+    /// Puts right in the data what is unambiguous, and tells what.
+    pub fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
+        match self {
+            Self::PointGrid(grid) => grid.put_right(limits),
+            _ => Vec::new(),
+        }
+    }
+
     /// Collects the violations of the surface at `at`.
     pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
         match self {

@@ -45,6 +45,10 @@ pub struct Pass {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<AxisDirection>)]
     axis: Option<Coordinates<3>>,
+    /// Where the tip stands before the first move of the pass, in mm, if the pass before ends elsewhere: the
+    /// program goes there on a way that is not known. Only in answers of `/v1/programs/read`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    start: Option<Point>,
     /// The moves, in order.
     moves: Vec<Move>,
 }
@@ -60,6 +64,7 @@ impl From<&core::Pass> for Pass {
         Self {
             level: pass.level(),
             axis: (!axes.is_up()).then(|| components(&axes.start())),
+            start: pass.start().map(Point::from),
             moves: moves.collect(),
         }
     }

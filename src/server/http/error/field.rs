@@ -36,11 +36,19 @@ pub enum FieldCode {
     Undefined,
     /// Neighbouring points, rows or columns are the same.
     Coincident,
-    /// A row of points runs the other way than the row before.
+    /// A row of points runs the other way than most rows.
     ReversedRow,
-    /// A point lies far away from all of its neighbours.
+    /// A row or column of points does not follow the one before.
+    OutOfOrder,
+    /// A point is off the surface of its neighbours.
     Outlier,
+    /// The number stands for a missing value.
+    MissingValue,
+    /// z is exchanged with another axis.
+    ExchangedAxes,
     FeedRequired,
+    /// The control would refuse the word of the program; `line` and `column` say where it stands.
+    RefusedWord,
 }
 
 /// One violation of the rules for a request.
@@ -58,11 +66,35 @@ pub struct FieldError {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(minimum = 0, maximum = 16_777_216)]
     pub offset: Option<usize>,
+    /// Number of the line of a program, counted from 1. Present with a word of a program that is read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1, maximum = 16_777_216)]
+    pub line: Option<usize>,
+    /// Number of the byte in the line, counted from 1. Present with `line`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1, maximum = 16_777_216)]
+    pub column: Option<usize>,
+    /// The word of the program, or its beginning. Present with `line`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub word: Option<String>,
 }
 
 impl FieldError {
     pub fn new(at: &Pointer, code: FieldCode, detail: impl Into<String>) -> Self {
-        Self { pointer: at.as_str().to_owned(), code, detail: shortened(detail.into()), offset: None }
+        Self {
+            pointer: at.as_str().to_owned(),
+            code,
+            detail: shortened(detail.into()),
+            offset: None,
+            line: None,
+            column: None,
+            word: None,
+        }
+    }
+
+    /// The same violation, of a word of a program.
+    pub fn in_program(self, line: usize, column: usize, word: &str) -> Self {
+        Self { line: Some(line), column: Some(column), word: Some(word.to_owned()), ..self }
     }
 
     /// As [`FieldError::new`], for byte `offset` of an expression or a section curve.

@@ -18,6 +18,11 @@ impl From<&arc_fitting::Warning> for Warning {
                 let advice = "if the part really consists of these straight lines, send `measure: polyline`";
                 (WarningCode::CoarseSamples, format!("{fact}: {advice}"))
             }
+            Of::RadiusLimited { .. } => {
+                let advice =
+                    "choose the dialect of your control, whose `largest_radius_mm` `/v1/dialects` states";
+                (WarningCode::RadiusLimited, format!("{fact}: {advice}"))
+            }
             Of::ToleranceExceeded { deviation_mm } => (
                 WarningCode::ToleranceExceeded,
                 format!(

@@ -1,8 +1,31 @@
 //! Computations that are not begun or do not end.
 
+use std::time::Duration;
+
 use crate::http::compute::Failure;
 use crate::http::error::{ApiError, Code};
 use toolpathd_core::budget::Stopped;
+
+/// The sentence of a computation that did not end: the stage `longest` took most of the time, and the share
+/// `share` of the stage `last` was done.
+pub fn too_slow(longest: &str, time: Duration, last: &str, share: f64) -> String {
+    let advice = match longest {
+        "sections" => {
+            "send a larger stepover or scallop height, a coarser `tolerance_mm`, fewer points, or a ball cutter, which is quicker than other cutters"
+        }
+        "certificate" => "send a coarser `tolerance_mm`, or a larger stepover",
+        "wires" => "send a larger pitch, or a larger chord height",
+        "fit" => "send fewer points, a coarser `tolerance_mm`, or `method: greedy`",
+        "interpolating" => "send a wider band, a shorter domain, or `method: bisection`",
+        "lowering" => "send fewer moves, or another `program.dialect`",
+        _ => "send a smaller job, or a coarser tolerance",
+    };
+    let percent = (100.0 * share).floor();
+    let seconds = time.as_secs_f64();
+    format!(
+        "the computation did not end within the deadline: the stage `{longest}` took {seconds:.1} s, and {percent} % of `{last}` was done; {advice}"
+    )
+}
 
 impl From<Failure> for ApiError {
     fn from(failure: Failure) -> Self {

@@ -73,6 +73,15 @@ pub fn path_text(error: &PathTextError) -> String {
     }
 }
 
+/// The warning of the words of a program that were left alone. `None` without such words.
+pub fn words_left_alone_in(words: &[toolpathd_nc::notes::LeftWord]) -> Option<Warning> {
+    let words: Vec<LeftWord> = words
+        .iter()
+        .map(|left| LeftWord { word: left.word.clone(), count: left.count, line: left.line })
+        .collect();
+    words_left_alone("nc", &words)
+}
+
 /// The warning of the words of `member`, `cl` or `nc`, that were left alone. `None` without such words.
 pub fn words_left_alone(member: &str, words: &[LeftWord]) -> Option<Warning> {
     let told = |LeftWord { word, count, line }: &LeftWord| match count {

@@ -7,7 +7,9 @@ use toolpathd_core::geometry::plane_curve::interpolant::InterpolantError;
 use toolpathd_core::geometry::plane_curve::nurbs::NurbsError;
 use toolpathd_core::geometry::plane_curve::weights::WeightError;
 use toolpathd_core::language::expression::Undefined;
-use toolpathd_core::operations::interpolation::{self, CompensationError, Error, SourceError};
+use toolpathd_core::operations::interpolation::{
+    self, BandSide, CompensationError, Error, SourceError, WidthError,
+};
 
 impl From<&interpolation::Warning> for Warning {
     fn from(warning: &interpolation::Warning) -> Self {
@@ -36,6 +38,7 @@ impl From<Error> for ApiError {
                 let detail = "the measure `vertical` supports graphs y(x) only; use the measure `normal`";
                 violation(&member("/band/measure"), FieldCode::Conflict, detail.to_owned())
             }
+            Error::Width { side, error } => width(side, error, fact),
             Error::JointsInBand => {
                 let detail = "joints in the band are supported with the method `linear` only";
                 unsupported("/joints", detail.to_owned())
@@ -106,6 +109,27 @@ impl From<SourceError> for ApiError {
             }
             SourceError::InSpace => violation(&curve.field("text"), FieldCode::Unsupported, fact),
         }
+    }
+}
+
+/// A width of the band that is an expression.
+fn width(side: BandSide, error: WidthError, fact: String) -> ApiError {
+    let at = member("/band").field(match side {
+        BandSide::Below => "below_mm",
+        BandSide::Above => "above_mm",
+    });
+    let in_text = |place, code| ApiError::invalid(vec![FieldError::in_text(&at, place, code, fact.clone())]);
+    match error {
+        WidthError::Expression(fault) => in_text(fault.at, FieldCode::Syntax),
+        WidthError::Undefined(undefined) => match undefined {
+            Undefined::Stopped(stopped) => stopped.into(),
+            Undefined::NoDomain => violation(&at, FieldCode::OutOfRange, fact),
+            Undefined::At { at: place, .. }
+            | Undefined::Near { at: place, .. }
+            | Undefined::NotRuledOut { at: place, .. } => in_text(place, FieldCode::Undefined),
+        },
+        WidthError::TooWide { .. } => violation(&at, FieldCode::TooLarge, fact),
+        WidthError::WithoutGraph | WidthError::JointsInBand => violation(&at, FieldCode::Conflict, fact),
     }
 }
 

@@ -11,7 +11,7 @@ impl From<&surface_milling::Warning> for Warning {
         let fact = warning.to_string();
         let (code, detail) = match *warning {
             Of::EndsReduced { direction, points } => return Self::ends_reduced(direction, points),
-            Of::ScallopNotProved => (WarningCode::ScallopNotProved, fact),
+            Of::RestLeft { .. } => (WarningCode::RestLeft, format!("{fact}; use a smaller cutter there")),
             Of::ShortPiecesLeftOut { .. } => (WarningCode::ShortPiecesLeftOut, fact),
             Of::PartSmallerThanCutter => (WarningCode::PartSmallerThanCutter, fact),
             Of::StockNotGiven { approach_mm } => (
@@ -22,7 +22,7 @@ impl From<&surface_milling::Warning> for Warning {
             ),
             Of::EntryNotClear { .. } => (WarningCode::EntryNotClear, fact),
             Of::RoughingPathGouges { .. } => (WarningCode::RoughingPathGouges, fact),
-            Of::PassesApart { .. } => (WarningCode::PassesApart, fact),
+            Of::StripLeft { .. } => (WarningCode::StripLeft, fact),
         };
         Self { code, detail }
     }
@@ -59,6 +59,12 @@ impl From<Error> for ApiError {
                 .blaming(&member("/program/decimals"), FieldCode::ToleranceBelowDecimals),
             Error::ToleranceNotReached { at, .. } => Self::new(Code::ToleranceNotReached, fact).at(at.into()),
             Error::TooMuchWork { .. } => too_large("/strategy", fact),
+            Error::ScallopNotReached { at, .. } => {
+                let advice = "send a larger `scallop_height_mm`, the other `plane` or `boundary: past`";
+                let error = Self::new(Code::ScallopNotReached, format!("{fact}; {advice}"))
+                    .blaming(&member("/strategy/scallop_height_mm"), FieldCode::OutOfRange);
+                at.into_iter().fold(error, |error, at| error.at(at.into()))
+            }
             Error::NothingToCut => Self::new(Code::NothingToCut, fact),
             Error::SectionLost { at } => Self::new(Code::SectionLost, fact).at(at.into()),
             Error::Quantize(quantize) => quantize.into(),
@@ -123,6 +129,11 @@ mod tests {
                 Error::TooMuchWork { what: "passes", needed: 5, limit: 4 },
                 Code::LimitExceeded,
                 &["#/strategy"],
+            ),
+            (
+                Error::ScallopNotReached { asked_mm: 0.01, least_mm: 0.2, at: Some(at) },
+                Code::ScallopNotReached,
+                &["#/strategy/scallop_height_mm"],
             ),
             (Error::NothingToCut, Code::NothingToCut, &[]),
             (Error::SectionLost { at }, Code::SectionLost, &[]),

@@ -62,7 +62,6 @@ impl From<WireError> for ApiError {
             WireError::Stopped(stopped) => stopped.into(),
             WireError::TooManyWires { .. } => too_large("/wires/pitch_mm", fact),
             WireError::TooManyPoints { .. } => too_large("/wires", fact),
-            WireError::Overhang { at } => Self::new(Code::Overhang, fact).at(at.into()),
             WireError::SectionLost { at } => Self::new(Code::SectionLost, fact).at(at.into()),
         }
     }

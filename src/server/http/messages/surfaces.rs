@@ -63,6 +63,7 @@ fn of_grid(error: GridError) -> (Pointer, FieldCode) {
         GridError::TooFewPoints { row, .. } => (points.index(row), FieldCode::TooFewPoints),
         GridError::Ragged { row, .. } => (points.index(row), FieldCode::RaggedGrid),
         GridError::NotFinite { i, j } => (points.index(i).index(j), FieldCode::TooLarge),
+        GridError::NotClosed => (surface().field("ends"), FieldCode::Conflict),
         GridError::EndTangents { edge, .. } => (at(edge), FieldCode::WrongLength),
         GridError::EndTangentNotFinite { edge } => (at(edge), FieldCode::TooLarge),
     }
@@ -137,7 +138,10 @@ fn of_normal_sweep(error: NormalSweepError, fact: String) -> ApiError {
         | NormalSweepError::Reversal { place, .. }
         | NormalSweepError::Fold { place, .. }
         | NormalSweepError::Mitre { place, .. }
-        | NormalSweepError::Cusp { place } => FieldError::in_text(&basic, place, FieldCode::OutOfRange, fact),
+        | NormalSweepError::Cusp { place }
+        | NormalSweepError::Upright { place } => {
+            FieldError::in_text(&basic, place, FieldCode::OutOfRange, fact)
+        }
     }])
 }
 

@@ -18,14 +18,18 @@ pub struct Warning {
 pub enum WarningCode {
     /// A direction has fewer points than `not_a_knot` needs, and one polynomial passes through all of them.
     EndsReduced,
+    /// The points are closed, and the surface closes smoothly without the caller's word.
+    EndsPeriodic,
+    /// Rows, columns or points were sent out of order, and were put into order.
+    PointsReordered,
     /// Patches leave a gap or meet in a sharp edge.
     NotSmooth,
     /// The surface has, or may have, a place without a normal.
     NoNormal,
-    /// The height of the material left between passes is not proved.
-    ScallopNotProved,
-    /// The cuts of neighbouring passes do not overlap everywhere.
-    PassesApart,
+    /// The cutter cannot reach all of the surface.
+    RestLeft,
+    /// Far more material stays than between neighbouring passes.
+    StripLeft,
     /// Short pieces of passes are left out, and their material stays.
     ShortPiecesLeftOut,
     /// The part is smaller than the cutter along x and along y.
@@ -47,6 +51,8 @@ pub enum WarningCode {
     RoundingExceedsTolerance,
     /// The elements are near the points, but not near the lines between the points.
     CoarseSamples,
+    /// The largest radius of the control costs elements.
+    RadiusLimited,
     /// The requested method ignores the tolerance.
     ToleranceExceeded,
     /// Where the tool axis passes a pole of the machine, the limits of the axes are not proved.
@@ -63,6 +69,28 @@ pub enum WarningCode {
     LengthOffsetDiffers,
     /// Words of `cl` or `nc` change nothing of the answer.
     WordsLeftAlone,
+    /// Lengths stand before the first G20 or G21.
+    UnitsAssumed,
+    /// Numbers have no decimal point, and settings of controls differ on their meaning.
+    PointsMissing,
+    /// The program pauses for more than a minute.
+    LongDwell,
+    /// Controls of the dialect disagree on the unit of a pause.
+    DwellAssumed,
+    /// Places before and after a change of the zero are not related.
+    UnrelatedOffsets,
+    /// The path under G41 and G42 counts as that of the cutter's centre.
+    CompensationAsWear,
+    /// How far above the last peck a drill stops its rapid is assumed.
+    PeckClearanceAssumed,
+    /// The program runs again and again; one run is read.
+    ProgramRepeats,
+    /// The two radii of arcs differ, and exact arcs stand for them.
+    ArcsMadeExact,
+    /// Whether centres are incremental or absolute was found from the arcs.
+    CentersAssumed,
+    /// A tapping cycle is taken to follow its feed.
+    TappingAssumed,
     /// `cutting.clearance_z_mm` is absent: the service chose a clearance plane above everything that is cut.
     ClearanceChosen,
 }

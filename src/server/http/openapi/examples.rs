@@ -21,13 +21,14 @@ type Texts = &'static [(&'static str, &'static str, &'static str)];
 /// Bodies of requests that the service answers without a problem.
 const REQUESTS: Texts = texts!("examples", "json", {
     "arcs-fit": ["contour", "helix", "probed-circle", "section", "sine"],
-    "curves-interpolate": ["in-band", "nurbs", "parabolas", "profile", "sine", "spline"],
+    "curves-interpolate": ["band-of-x", "in-band", "nurbs", "parabolas", "profile", "sine", "spline"],
     "five-axis-smooth": ["blade", "corner", "program", "rotation", "table", "wave"],
     "pockets-plan": [
         "arcs", "circle", "comb", "corner-island", "dome", "dumbbell", "fillets-above-radius", "fillets-below-radius",
         "hundred-islands", "island", "islands-on-walls", "l-shape", "narrow-gaps", "noisy-outline", "rectangle",
         "rest", "three-bumps",
     ],
+    "programs-read": ["drilling", "loop", "pocket"],
     "programs-write": ["contour", "inch-fanuc", "leaning", "one-line", "parabolas"],
     "surfaces-drop": ["bowl", "bull-nose"],
     "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "job-order", "one-pass", "wire-union"],

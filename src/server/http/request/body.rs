@@ -1,8 +1,8 @@
 //! Reads the body of a request. A body of JSON is decoded into a job later, on the thread that computes.
 
 use std::future::poll_fn;
-use std::marker::PhantomData;
 use std::pin::Pin;
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::{Body, Bytes, HttpBody};
@@ -14,7 +14,7 @@ use super::coding::{Coding, gunzip};
 use super::representation::GCODE;
 use crate::config::{Limits, Settings};
 use crate::http::byte_limit::HeldBytes;
-use crate::http::decode::{self, IntoJob};
+use crate::http::decode::{self, IntoJob, SentJob};
 use crate::http::error::{ApiError, Code};
 
 /// First size of the buffer of a body. A full buffer doubles. So the buffer follows the bytes that arrive,
@@ -69,8 +69,11 @@ pub struct Decoded {
 /// The body of a job in JSON, not decoded yet.
 pub struct JobBody<T: IntoJob> {
     body: SentBody,
-    kind: PhantomData<fn() -> T>,
+    make: Arc<Make<T>>,
 }
+
+/// Makes a job from the bytes of a body.
+type Make<T> = dyn Fn(&[u8], &Limits) -> Result<SentJob<<T as IntoJob>::Job>, ApiError> + Send + Sync;
 
 impl<T: IntoJob> JobBody<T> {
     /// Whether the body has at most [`SHORT_BYTES`] as it was sent.
@@ -80,13 +83,13 @@ impl<T: IntoJob> JobBody<T> {
 
     /// As [`Self::job`], where the body has at most [`SHORT_BYTES`] without its content coding; `None` for a
     /// longer body.
-    pub fn short_job(&self, limits: &Limits) -> Option<Result<T::Job, ApiError>> {
+    pub fn short_job(&self, limits: &Limits) -> Option<Result<SentJob<T::Job>, ApiError>> {
         let text = match self.body.coding {
             Coding::Identity => self.body.bytes.clone(),
             // A body beyond the limit of bodies is refused by [`Self::job`].
             Coding::Gzip => gunzip(&self.body.bytes, SHORT_BYTES.min(self.body.limit)).ok()?.into(),
         };
-        (text.len() <= SHORT_BYTES).then(|| decode::job::<T>(&text, limits))
+        (text.len() <= SHORT_BYTES).then(|| (self.make)(&text, limits))
     }
 
     /// Decodes the body as a `T` and checks it. Belongs on a thread that computes, because it takes time.
@@ -94,8 +97,32 @@ impl<T: IntoJob> JobBody<T> {
     /// # Errors
     /// `malformed_json` or `invalid_request`; for a body in gzip also `bad_request`, `payload_too_large` and
     /// `overloaded`.
-    pub fn job(&self, limits: &Limits) -> Result<T::Job, ApiError> {
-        decode::job::<T>(&self.body.decoded()?.bytes, limits)
+    pub fn job(&self, limits: &Limits) -> Result<SentJob<T::Job>, ApiError> {
+        (self.make)(&self.body.decoded()?.bytes, limits)
+    }
+
+    /// A body of NC text, from which `make` makes the job.
+    ///
+    /// # Errors
+    /// `unsupported_coding`, and the failures of reading.
+    pub async fn of_text(
+        request: Request,
+        limits: BodyLimits,
+        make: impl Fn(&[u8], &Limits) -> Result<T::Job, ApiError> + Send + Sync + 'static,
+    ) -> Result<Self, ApiError> {
+        let make =
+            move |text: &[u8], limits: &_| Ok(SentJob { job: make(text, limits)?, remarks: Vec::new() });
+        Ok(Self { body: SentBody::read(request, limits).await?, make: Arc::new(make) })
+    }
+
+    /// The same body, whose job goes through `change`.
+    pub fn then(self, change: impl Fn(T::Job) -> T::Job + Send + Sync + 'static) -> Self {
+        let Self { body, make } = self;
+        let make = move |bytes: &[u8], limits: &_| {
+            let SentJob { job, remarks } = make(bytes, limits)?;
+            Ok(SentJob { job: change(job), remarks })
+        };
+        Self { body, make: Arc::new(make) }
     }
 }
 
@@ -122,7 +149,10 @@ where
 
     async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
         check_content_type(request.headers())?;
-        Ok(Self { body: SentBody::read(request, BodyLimits::from_ref(state)).await?, kind: PhantomData })
+        Ok(Self {
+            body: SentBody::read(request, BodyLimits::from_ref(state)).await?,
+            make: Arc::new(decode::job::<T>),
+        })
     }
 }
 

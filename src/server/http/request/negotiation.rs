@@ -19,10 +19,25 @@ pub trait Offers {
     const OFFERS: &'static [Representation];
 
     /// The names of the shared parameters that these endpoints read.
-    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "nc"];
+    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "nc", "view"];
+
+    /// Whether the JSON answer may hold a toolpath.
+    const HAS_TOOLPATH: bool = has(Self::OFFERS, Representation::Gcode);
 
     /// The endpoint's own parameters.
     type Query: FromQuery;
+}
+
+/// Whether `form` is on offer.
+const fn has(offers: &[Representation], form: Representation) -> bool {
+    let mut k = 0;
+    while k < offers.len() {
+        if offers[k] as u8 == form as u8 {
+            return true;
+        }
+        k += 1;
+    }
+    false
 }
 
 /// Endpoints that answer a toolpath, whose program can be written.
@@ -65,6 +80,29 @@ impl Offers for Models {
         &[Representation::Json, Representation::Svg, Representation::Html, Representation::Events];
 }
 
+/// How a picture shows the part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PictureView {
+    /// Plan, front and left side.
+    #[default]
+    Plan,
+    /// One isometric view with hidden strokes left out.
+    Axonometric,
+}
+
+impl PictureView {
+    /// The names in the query, in the order of the variants.
+    const NAMES: [&'static str; 2] = ["plan", "axonometric"];
+
+    fn named(name: &str) -> Result<Self, String> {
+        match name {
+            "plan" => Ok(Self::Plan),
+            "axonometric" => Ok(Self::Axonometric),
+            _ => Err(query::unknown("view", name, &Self::NAMES)),
+        }
+    }
+}
+
 /// The form of one answer.
 #[derive(Debug, Clone)]
 pub struct Form {
@@ -75,6 +113,7 @@ pub struct Form {
     pub with_toolpath: Option<bool>,
     /// Whether the JSON answer holds the program's text too.
     pub with_nc: bool,
+    pub view: PictureView,
     /// Whether the caller takes gzip.
     pub with_gzip: bool,
     pub request_id: RequestId,
@@ -98,6 +137,8 @@ impl<O: Offers, S: Sync> FromRequestParts<S> for Wanted<O> {
         let format = sent.text("format").and_then(|name| name.map(named).transpose()).map_err(invalid)?;
         let with_toolpath = sent.flag("toolpath").map_err(invalid)?;
         let with_nc = sent.flag("nc").map_err(invalid)?.unwrap_or(false);
+        let view =
+            sent.text("view").and_then(|name| name.map(PictureView::named).transpose()).map_err(invalid)?;
         let query = O::Query::read(&sent).map_err(invalid)?;
         let (representation, media_type) = representation::choose(O::OFFERS, &parts.headers, format)?;
         if with_nc && !O::OFFERS.contains(&Representation::Gcode) {
@@ -105,7 +146,15 @@ impl<O: Offers, S: Sync> FromRequestParts<S> for Wanted<O> {
             return Err(ApiError::new(Code::InvalidRequest, detail));
         }
         let with_gzip = accept::takes_gzip(&parts.headers);
-        let form = Form { representation, media_type, with_toolpath, with_nc, with_gzip, request_id };
+        let form = Form {
+            representation,
+            media_type,
+            with_toolpath,
+            with_nc,
+            view: view.unwrap_or_default(),
+            with_gzip,
+            request_id,
+        };
         Ok(Self { form, query })
     }
 }
@@ -133,7 +182,9 @@ impl<O: Offers> IntoParams for Wanted<O> {
                 .build()
         };
         let makes_program = O::OFFERS.contains(&Representation::Gcode);
-        let toolpath = if makes_program {
+        let toolpath = if O::HAS_TOOLPATH && !makes_program {
+            "Whether the JSON answer holds the toolpath. Default: `true`."
+        } else if makes_program {
             "Whether the JSON answer holds the toolpath. Default: `true` where the answer has no `nc`, else `false`."
         } else {
             "Without effect: this endpoint makes no toolpath."
@@ -150,6 +201,12 @@ impl<O: Offers> IntoParams for Wanted<O> {
             let nc = "Whether the JSON answer, or the event `result`, holds the text of the NC program in `nc`. Default: `false`; \
                       `/v1/programs/write` always answers `nc`.";
             parameters.push(parameter("nc", nc, yes_or_no()));
+        }
+        if O::PARAMETERS.contains(&"view") {
+            let view = "View of a picture. `plan`: plan, front and left side. `axonometric`: one isometric view from the front left and above, \
+                        with hidden strokes left out. Diagrams have no view. Default: `plan`.";
+            let names = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(PictureView::NAMES));
+            parameters.push(parameter("view", view, names));
         }
         parameters
     }

@@ -49,9 +49,7 @@ pub async fn fit_arcs(State(app): State<Arc<App>>, request: Request) -> Result<R
         Some(name) if GCODE.contains(&name.as_str()) => (true, request),
         // `curl -T` sends no type, and `curl -d` sends the type of a form unless told otherwise.
         None => looks_like_program(app.body_limits, request).await?,
-        Some(name) if name == "application/x-www-form-urlencoded" => {
-            looks_like_program(app.body_limits, request).await?
-        }
+        Some(name) if is_form(&name) => looks_like_program(app.body_limits, request).await?,
         Some(_) => (false, request),
     };
     if is_program {
@@ -74,10 +72,15 @@ pub async fn put_arcs(state: State<Arc<App>>, request: Request) -> Result<Respon
     fit_arcs(state, request).await
 }
 
+/// Whether this is the media type that `curl -d` sends unless told otherwise.
+pub fn is_form(media_type: &str) -> bool {
+    media_type == "application/x-www-form-urlencoded"
+}
+
 /// Whether a body without a media type is an NC program. A program begins with `%`, `/`, a comment, or a
 /// letter and a digit; JSON never does. Returns the request with its whole body. A body with a content coding
 /// counts as JSON.
-async fn looks_like_program(limits: BodyLimits, request: Request) -> Result<(bool, Request), ApiError> {
+pub async fn looks_like_program(limits: BodyLimits, request: Request) -> Result<(bool, Request), ApiError> {
     if request.headers().contains_key(header::CONTENT_ENCODING) {
         return Ok((false, request));
     }

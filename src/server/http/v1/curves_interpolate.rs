@@ -39,9 +39,8 @@ pub async fn interpolate_curve(
 fn interpolate(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>, ApiError> {
     let JobWithSetup { job, setup, meta } = job;
     let plan = interpolation::plan(&job, budget)?;
-    let Plan { curve, toolpath, report, cutting, warnings } = plan;
+    let Plan { curve, band, toolpath, report, cutting, warnings } = plan;
     let (elements, height) = (report.elements.clone(), job.z_mm);
-    let band = job.band;
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),

@@ -21,6 +21,7 @@ use crate::http::dto::interpolation::InterpolateRequest;
 use crate::http::dto::milling::MillRequest;
 use crate::http::dto::modelling::ModelRequest;
 use crate::http::dto::pocketing::PocketRequest;
+use crate::http::dto::program_reading::ReadRequest;
 use crate::http::dto::program_writing::WriteRequest;
 use crate::http::error::{FieldCode, FieldError};
 use crate::http::pointer::Pointer;
@@ -322,6 +323,7 @@ agreement! {
     interpolating_agrees_with_its_schema: InterpolateRequest, "curves-interpolate";
     smoothing_agrees_with_its_schema: SmoothRequest, "five-axis-smooth";
     pockets_agree_with_their_schema: PocketRequest, "pockets-plan";
+    reading_agrees_with_its_schema: ReadRequest, "programs-read";
     writing_agrees_with_its_schema: WriteRequest, "programs-write";
     dropping_agrees_with_its_schema: DropRequest, "surfaces-drop";
     milling_agrees_with_its_schema: MillRequest, "surfaces-mill";

@@ -6,11 +6,13 @@ use utoipa::ToSchema;
 
 use crate::config::Limits;
 use crate::http::dto::check::{Range, Violations};
+use crate::http::dto::point_faults::{self, Outliers};
 use crate::http::dto::schema::{array_of, number, schema_of};
 use crate::http::dto::surface::Surface;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::height_field::HeightGrid;
+use toolpathd_core::geometry::point_judge::judge_heights;
 use toolpathd_core::operations::pocketing as core;
 
 /// The default size of the cells of labelling on a surface, in diameters of the cutter.
@@ -32,6 +34,12 @@ pub struct Heights {
     /// heights; every row is as long as the first row.
     #[schema(value_type = HeightRows)]
     z: Vec<Vec<f64>>,
+    /// What to do with heights that look like mistakes: numbers that stand for missing values, and heights
+    /// off the surface of their neighbours. `refuse`: the answer is a problem that names each of them.
+    /// `accept`: they are heights of the part.
+    #[serde(default)]
+    #[schema(default = "refuse")]
+    outliers: Outliers,
 }
 
 schema_of!(HeightRows, "Rows of heights, in mm. Every row is as long as the first row.", {
@@ -122,7 +130,7 @@ impl SentRelief {
 
 impl Heights {
     fn convert(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> Option<core::Relief> {
-        let Self { origin, spacing_mm, z } = self;
+        let Self { origin, spacing_mm, z, outliers } = self;
         for (axis, value) in origin.into_iter().enumerate() {
             violations.number(&at.field("origin").index(axis), value, Range::COORDINATE, "mm");
         }
@@ -151,6 +159,10 @@ impl Heights {
             for (i, value) in row.iter().enumerate().filter(|(_, value)| !Range::COORDINATE.holds(**value)) {
                 violations.number(&rows.index(j).index(i), *value, Range::COORDINATE, "mm");
             }
+        }
+        let is_legal = z.iter().flatten().all(|height| Range::COORDINATE.holds(*height));
+        if outliers == Outliers::Refuse && is_legal {
+            point_faults::add(&rows, &judge_heights(spacing_mm, &z).faults, violations);
         }
         Some(core::Relief::Grid(HeightGrid { origin: Point2::from(origin), spacing_mm, rows: z }))
     }

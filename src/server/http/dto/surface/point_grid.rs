@@ -1,19 +1,21 @@
 //! The surface kind `point_grid` in requests: measured points.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::grid::{self, PointRows};
-use super::grid_order;
 use crate::config::Limits;
 use crate::http::decode::object;
 use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Violations;
 use crate::http::dto::point::Point;
+use crate::http::dto::point_faults::{self, Outliers};
 use crate::http::dto::schema::{array_of, reference, schema_of};
 use crate::http::error::FieldCode;
+use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
+use toolpathd_core::geometry::point_judge::{Fault, Verdict, judge};
 use toolpathd_core::geometry::surface::point_grid::{self as core, Twist};
 
 /// Measured points, joined by a smooth surface: bicubic splines with uniform parameters.
@@ -34,13 +36,18 @@ pub struct PointGrid {
     /// The end conditions of the splines. `not_a_knot`: the first two spans are one cubic, and the last two
     /// spans are one cubic. `natural`: no curvature at the edges; this flattens the rim of a curved part.
     /// `clamped`: the tangents of `end_tangents`. `bessel`: the slope of the parabola through the three
-    /// points nearest to the edge. Default: `not_a_knot`. The warning `ends_reduced` is given only where the
-    /// request itself contains `ends: not_a_knot`.
+    /// points nearest to the edge. `periodic`: the surface closes smoothly, with continuous second
+    /// derivatives, along u where the first and the last row coincide within 1e-6 mm, and along v where the
+    /// first and the last column do; a direction that is not closed gets `not_a_knot`. Default: `periodic`
+    /// for a closed direction that bends no more at its seam than elsewhere (the answer warns:
+    /// `ends_periodic`), else `not_a_knot`. The warning `ends_reduced` is given only where the request itself
+    /// contains `ends: not_a_knot`.
     ends: Option<Ends>,
-    /// What to do with an outlier: a point P that lies far from its neighbours. Even the nearest of them is
-    /// more than five times as far from P as any of them is from its own neighbours, P not counted. Such a
-    /// point is mostly a mistake and takes long to mill. `refuse`: the answer is a problem. `accept`: the
-    /// point is milled.
+    /// What to do with points that look like mistakes: points off the surface of their neighbours, repeated
+    /// points, numbers that stand for missing values, exchanged axes, rows out of order. `refuse`: rows,
+    /// columns and points are put into order where that is unambiguous, and the answer warns
+    /// (`points_reordered`); anything else is refused with its pointer. `accept`: the points are taken as
+    /// they were sent.
     #[serde(default)]
     #[schema(default = "refuse")]
     outliers: Outliers,
@@ -56,14 +63,7 @@ pub enum Ends {
     NotAKnot,
     Clamped,
     Bessel,
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Outliers {
-    #[default]
-    Refuse,
-    Accept,
+    Periodic,
 }
 
 /// Tangents across the boundaries, in mm, one vector for each boundary point: the derivative by a parameter
@@ -96,10 +96,65 @@ impl PointGrid {
         self.points.iter().flatten()
     }
 
+    /// Puts rows, columns and points into order where that is unambiguous and nothing else is wrong.
+    pub fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
+        let total: usize = self.points.iter().map(Vec::len).sum();
+        if total > limits.surface_points {
+            return Vec::new();
+        }
+        let mut remarks = Vec::new();
+        if self.outliers == Outliers::Refuse && self.end_tangents.is_none() {
+            let verdict = self.verdict();
+            if let Some(order) = verdict.order.filter(|_| verdict.faults.is_empty()) {
+                let at = |[i, j]: [usize; 2]| self.points[i][j];
+                self.points = order.into_iter().map(|row| row.into_iter().map(at).collect()).collect();
+                remarks.extend(verdict.changes.iter().map(Warning::from));
+            }
+        }
+        if self.ends.is_none() && self.is_rectangle() {
+            let grid = core::PointGrid { points: self.rows(), twist: self.twist, ends: core::Ends::Usual };
+            let periodic = grid.periodic();
+            if periodic != [false; 2] {
+                remarks.push(Warning::ends_periodic(periodic));
+            }
+        }
+        remarks
+    }
+
+    fn rows(&self) -> Vec<Vec<Point3<f64>>> {
+        self.points.iter().map(|row| row.iter().copied().map(Point3::from).collect()).collect()
+    }
+
+    /// Whether there are rows, and all rows are equally long.
+    fn is_rectangle(&self) -> bool {
+        let columns = self.points.first().map_or(0, Vec::len);
+        columns > 0 && self.points.iter().all(|row| row.len() == columns)
+    }
+
+    fn is_closed(&self) -> bool {
+        let grid = core::PointGrid { points: self.rows(), twist: self.twist, ends: core::Ends::Periodic };
+        self.is_rectangle() && grid.closed() != [false; 2]
+    }
+
+    /// Points with a number beyond the legal range are refused for it, and not judged.
+    fn verdict(&self) -> Verdict {
+        if self.points().all(Point::is_legal) { judge(&self.rows()) } else { judge(&[]) }
+    }
+
     pub fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
         let Self { _kind: _, points, twist: _, ends, outliers, end_tangents } = self;
         let Some(size) = grid::check_points(&at.field("points"), points, limits, violations) else { return };
-        grid_order::check(&at.field("points"), points, *outliers == Outliers::Refuse, violations);
+        let verdict = self.verdict();
+        let faults = match (outliers, end_tangents) {
+            (Outliers::Accept, _) => verdict.faults.into_iter().filter(|f| *f == Fault::AllSame).collect(),
+            (Outliers::Refuse, Some(_)) => verdict.faults_as_sent(),
+            (Outliers::Refuse, None) => verdict.faults,
+        };
+        point_faults::add(&at.field("points"), &faults, violations);
+        if *ends == Some(Ends::Periodic) && !self.is_closed() {
+            let detail = "neither the first and last rows nor the first and last columns coincide within 1e-6 mm: send a closed grid of at least four points along the closed direction, its first points again at its end, or other ends";
+            violations.add(&at.field("ends"), FieldCode::Conflict, detail);
+        }
         let at_tangents = at.field("end_tangents");
         match (ends, end_tangents) {
             (Some(Ends::Clamped), Some(tangents)) => tangents.check(&at_tangents, size.into(), violations),
@@ -149,6 +204,7 @@ impl From<PointGrid> for core::PointGrid {
                 (Some(Ends::Natural), _) => core::Ends::Natural,
                 (Some(Ends::NotAKnot), _) => core::Ends::NotAKnot,
                 (Some(Ends::Bessel), _) => core::Ends::Bessel,
+                (Some(Ends::Periodic), _) => core::Ends::Periodic,
             },
         }
     }

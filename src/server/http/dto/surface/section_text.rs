@@ -14,8 +14,8 @@ use toolpathd_core::language::section_curve::{Fault, SectionCurve, SectionCurveE
 /// A text in the language of section curves, in mm, such as `l(0,0,0) r(50,0,0,10) l(50,40,0)`. `l(x,y)` is a
 /// corner of a polyline. `r(x,y,R)` is a corner rounded by the radius R; R = 0 leaves the corner sharp.
 /// `b((x,y),...)` is a smooth curve through points: the C2 cubic spline with uniform parameters and natural
-/// ends. White space separates the items. Points with three coordinates make a curve in space: `l(x,y,z)`,
-/// `r(x,y,z,R)`, `b((x,y,z),...)`.
+/// ends; `b(x,y),(x,y),...` is the same. White space separates the items. Points with three coordinates make
+/// a curve in space: `l(x,y,z)`, `r(x,y,z,R)`, `b((x,y,z),...)`.
 #[derive(Debug, ToSchema)]
 #[schema(as = SectionText, value_type = String, max_length = 8_000_000, example = "l(0,0) r(50,0,10) l(50,40)")]
 pub struct SectionText(Result<SectionCurve, SectionCurveError>);

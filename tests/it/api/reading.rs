@@ -1,0 +1,71 @@
+//! Tests of `/v1/programs/read` through the interface.
+
+use axum::body::Body;
+use axum::http::Request;
+use serde_json::{Value, json};
+
+use super::support::{Answer, app, post, send};
+
+const PATH: &str = "/v1/programs/read";
+
+async fn read(query: &str, text: &str) -> Answer {
+    let path = format!("{PATH}?{query}");
+    let request = Request::post(path).header("content-type", "text/x-gcode");
+    send(&app(&["--workers", "1"]), request.body(Body::from(text.to_owned())).expect("a request")).await
+}
+
+fn parsed(answer: &Answer) -> Value {
+    serde_json::from_str(&answer.text()).expect("JSON")
+}
+
+fn close(value: &Value, expected: f64) {
+    let value = value.as_f64().expect("a number");
+    assert!((value - expected).abs() <= 1e-9 * (1.0 + expected.abs()), "{value} {expected}");
+}
+
+#[tokio::test]
+async fn text_and_json_give_the_same_figures() {
+    let text = "G21 G90 G17 G94\nG0 X0 Y0 Z5\nG1 Z-1 F100\nG3 I-4.5\nG4 P2\nG0 Z5\nM2\n";
+    let answer = read("dialect=linuxcnc&rapid_feed_mm_per_min=6000", text).await;
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let of_text = parsed(&answer);
+    let measures = &of_text["measures"];
+    let cut = 6.0 + 9.0 * std::f64::consts::PI;
+    close(&measures["cutting_length_mm"], cut);
+    close(&measures["rapid_time_s"], 0.06);
+    close(&measures["total_time_s"], cut / 100.0 * 60.0 + 2.0 + 0.06);
+    close(&measures["bounds"]["min"][0], -9.0);
+    assert_eq!(of_text["toolpath"]["passes"][0]["moves"][1]["kind"], "arc");
+    let body = json!({ "nc": text, "rapid_feed_mm_per_min": 6000 }).to_string();
+    let of_json = post(&app(&["--workers", "1"]), PATH, body, &[]).await;
+    assert_eq!(parsed(&of_json), of_text);
+    let bare = read("toolpath=false", text).await;
+    assert_eq!(parsed(&bare).get("toolpath"), None);
+    assert!(read("format=svg", text).await.text().starts_with("<svg"));
+}
+
+#[tokio::test]
+async fn refusals_are_told_together_with_line_column_and_word() {
+    let answer = read("", "G21 G90\nG0 X0 Y0 Z0\nG1 X5\nG999\nM2\n").await;
+    assert_eq!(answer.status, 422);
+    let errors = &parsed(&answer)["errors"];
+    let told = |k: usize| ["code", "line", "column", "word"].map(|name| errors[k][name].clone());
+    assert_eq!(told(0), [json!("feed_required"), json!(3), json!(1), json!("G1 X5")]);
+    assert_eq!(told(1), [json!("refused_word"), json!(4), json!(1), json!("G999")]);
+    let alone = read("", "G21 G0 X1\nM2\n").await;
+    assert_eq!(alone.status, 422);
+    assert_eq!(parsed(&alone)["code"], "no_motion");
+    assert_eq!(read("dialect=siemens", "G0 X1\n").await.status, 400);
+    let offsets = json!({ "nc": "M2", "offsets": [{ "name": "G53", "zero": [0, 0, 0] }] }).to_string();
+    let answer = post(&app(&["--workers", "1"]), PATH, offsets, &[]).await;
+    assert_eq!(answer.violations(), [("unknown_value".to_owned(), "#/offsets/0/name".to_owned())]);
+}
+
+#[tokio::test]
+async fn a_pass_behind_an_unknown_way_has_its_own_start() {
+    let text = "G21 G90\nG0 X0 Y0 Z5\nG0 X1\nG28\nG0 X9 Y9 Z9\nG0 X8\nG4 P3000\nM30\n";
+    let answer = parsed(&read("dialect=grbl", text).await);
+    assert_eq!(answer["toolpath"]["passes"][1]["start"], json!([9.0, 9.0, 9.0]));
+    close(&answer["measures"]["rapid_length_mm"], 2.0);
+    assert_eq!(answer["warnings"][0]["code"], "long_dwell");
+}

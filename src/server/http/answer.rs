@@ -170,11 +170,12 @@ where
     let decoded_at = Instant::now();
     let begun = Begun::default();
     let tell_begun = begun.clone();
+    let room = compute.decoding_room();
     let job = move |budget: &Budget| {
         let begun = Instant::now();
         let SentJob { job, remarks } = match sent {
             Sent::Job(job) => job,
-            Sent::Body(body) => body.job(&limits)?,
+            Sent::Body(body) => body.job(&limits, &room, budget)?,
         };
         let parsed = Instant::now();
         tell_begun.tell();
@@ -225,7 +226,7 @@ where
         if !body.may_be_short() {
             return Ok(Self::Body(body));
         }
-        let decode = move |_: &Budget| match body.short_job(&limits) {
+        let decode = move |budget: &Budget| match body.short_job(&limits, budget) {
             Some(job) => Ok::<_, ApiError>(Self::Job(job?)),
             None => Ok(Self::Body(body)),
         };

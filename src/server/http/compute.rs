@@ -17,6 +17,7 @@
 
 mod jobs;
 pub mod memory;
+pub mod room;
 #[cfg(test)]
 mod tests;
 
@@ -29,6 +30,7 @@ use tokio::time::{sleep, timeout, timeout_at};
 
 use jobs::{Jobs, Kind};
 use memory::Memory;
+use room::Room;
 use toolpathd_core::budget::{Budget, ProgressSink};
 use toolpathd_core::parallel::Helpers;
 
@@ -99,6 +101,8 @@ pub struct Compute {
     streams: Arc<Semaphore>,
     jobs: Arc<Jobs>,
     memory: Memory,
+    /// The memory for bodies while they are decoded.
+    decoding_room: Arc<Room>,
     capacity: Capacity,
     /// The time at which every computation must have ended, because the process ends.
     end: OnceLock<Instant>,
@@ -117,10 +121,16 @@ impl Compute {
             streams: Arc::new(Semaphore::new(1)),
             jobs: Arc::default(),
             memory,
+            decoding_room: Room::new(memory.for_decoding()),
             capacity: Capacity { workers, ..capacity },
             end: OnceLock::new(),
             helpers: Helpers::default(),
         }
+    }
+
+    /// The memory for bodies while they are decoded.
+    pub fn decoding_room(&self) -> Arc<Room> {
+        Arc::clone(&self.decoding_room)
     }
 
     /// Number of jobs that run now.

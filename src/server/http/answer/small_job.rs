@@ -169,6 +169,7 @@ fn extent(source: &Source) -> Option<Extent> {
 #[cfg(test)]
 mod tests {
     use serde_json::json;
+    use toolpathd_core::budget::Budget;
 
     use super::*;
     use crate::config::Limits;
@@ -178,7 +179,7 @@ mod tests {
     use crate::http::dto::modelling::ModelRequest;
 
     fn is_small<T: IntoJob<Job: SmallJob>>(body: &serde_json::Value) -> bool {
-        let job = job::<T>(body.to_string().as_bytes(), &Limits::DEFAULT);
+        let job = job::<T>(body.to_string().as_bytes(), &Limits::DEFAULT, &Budget::unlimited());
         job.map(|sent| sent.job.is_small()).unwrap_or_else(|error| panic!("{}", error.detail()))
     }
 

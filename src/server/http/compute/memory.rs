@@ -7,6 +7,10 @@ use std::path::Path;
 /// what computations take until they notice that they must stop.
 const SHARE: f64 = 0.72;
 
+/// Bodies that are decoded may take one part in `DECODING_PARTS` of that share. More would leave little for
+/// the computations that run beside them.
+const DECODING_PARTS: u64 = 3;
+
 /// The memory that the process may use.
 #[derive(Debug, Clone, Copy)]
 pub struct Memory {
@@ -18,6 +22,11 @@ impl Memory {
     /// A limit of `bytes`; without a number, no limit.
     pub fn of(bytes: Option<u64>) -> Self {
         Self { most: bytes.map(|bytes| (bytes as f64 * SHARE) as u64) }
+    }
+
+    /// Bytes for all bodies that are decoded at the same time.
+    pub fn for_decoding(&self) -> usize {
+        self.most.and_then(|most| usize::try_from(most / DECODING_PARTS).ok()).unwrap_or(usize::MAX)
     }
 
     /// Whether the process fills more than the share. `false` where the system does not tell.

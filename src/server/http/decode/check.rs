@@ -36,6 +36,24 @@ fn with_unit(value: f64, unit: &str) -> String {
     format!("{} {unit}", value.trim_end_matches(".0")).trim_end().to_owned()
 }
 
+/// Whether a number is beyond all that a part or a machine may have.
+fn is_too_large(value: f64, range: Range) -> bool {
+    value.abs() > MAX_MAGNITUDE_MM && range.max <= MAX_MAGNITUDE_MM
+}
+
+/// What is wrong with a number outside `range`: the code and the sentence.
+pub fn fault_of_number(value: f64, range: Range, unit: &str) -> (FieldCode, String) {
+    if is_too_large(value, range) {
+        let most = with_unit(MAX_MAGNITUDE_MM, unit);
+        let detail = format!("{} is too large; no number may be beyond {most}", with_unit(value, unit));
+        (FieldCode::TooLarge, detail)
+    } else {
+        let (value, min, max) =
+            (with_unit(value, unit), with_unit(range.min, ""), with_unit(range.max, unit));
+        (FieldCode::OutOfRange, format!("{value} is not allowed; send {min} to {max}"))
+    }
+}
+
 /// The violations found so far: the first [`MAX_ERRORS`] violations, and the number of all.
 #[derive(Debug, Default)]
 pub struct Violations {
@@ -63,15 +81,11 @@ impl Violations {
 
     /// Checks that a number of the given unit is in `range`.
     pub fn number(&mut self, at: &Pointer, value: f64, range: Range, unit: &str) {
-        if value.abs() > MAX_MAGNITUDE_MM && range.max <= MAX_MAGNITUDE_MM {
-            let most = with_unit(MAX_MAGNITUDE_MM, unit);
-            let detail = format!("{} is too large; no number may be beyond {most}", with_unit(value, unit));
-            self.add(at, FieldCode::TooLarge, detail);
-        } else if !range.holds(value) {
-            let (value, min, max) =
-                (with_unit(value, unit), with_unit(range.min, ""), with_unit(range.max, unit));
-            let detail = format!("{value} is not allowed; send {min} to {max}");
-            self.add(at, FieldCode::OutOfRange, detail);
+        if is_too_large(value, range) || !range.holds(value) {
+            self.add_made(|| {
+                let (code, detail) = fault_of_number(value, range, unit);
+                FieldError::new(at, code, detail)
+            });
         }
     }
 

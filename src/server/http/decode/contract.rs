@@ -1,52 +1,50 @@
-//! Finds all violations of a body that does not decode, by the schema of its request.
+//! Finds all violations of a body, by the schema of its request.
 //!
 //! # Method
-//! One pass goes over the body and the schema side by side. The schema is the schema that the contract
-//! publishes, so a violation is found exactly where the body breaks the contract.
+//! One pass reads the text of the body with the schema at its side. The schema is the schema that the
+//! contract publishes, so a violation is found exactly where the body breaks the contract.
 //!
-//! The pass also writes the body as the decoder needs it: a member that is `null` is left out, and a whole
-//! number with a decimal point, such as `12.0`, becomes an integer where the schema says so.
+//! A further pass writes the body as the decoder needs it, where the decoder refuses a body without a
+//! violation: a member that is `null` is left out, and a whole number with a decimal point, such as `12.0`,
+//! becomes an integer where the schema says so.
 //!
 //! # Guarantees
-//! * If the decoder refuses what the pass has written, the pass has found a violation.
+//! * If the decoder refuses what a pass has written, the pass has found a violation.
+//! * Memory besides the written text is bounded by the depth of the contract and by the number of violations
+//!   that are listed, whatever the size of the body.
 //! * Every object is closed: a member that the schema does not name is a violation, even a member that is
 //!   `null`. The contract leaves the schema of a toolpath open for answers only.
 //!
 //! # Cost
-//! The time is linear in the size of the body. Nesting is as deep as the JSON parser allows.
+//! The time is linear in the size of the body. An object with a member `kind` is scanned twice before it is
+//! read, to find its end and its kind.
 //!
 //! # What it leaves to the rules of a request
 //! Whatever depends on several members or on settings of the server: the lengths of lists, members that
 //! exclude each other, and the languages of texts.
 
+mod outline;
+mod pass;
+mod written;
+
 use std::any::TypeId;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use serde_json::{Map, Number, Value};
 use utoipa::openapi::RefOr;
-use utoipa::openapi::schema::{
-    AdditionalProperties, Array, ArrayItems, Discriminator, Object, OneOf, Schema, SchemaType, Type,
-};
+use utoipa::openapi::schema::{Array, ArrayItems, Object, OneOf, Schema, SchemaType, Type};
 use utoipa::{Number as Bound, ToSchema};
 
 use super::check::{Range, Violations};
-use super::path::Path;
+use super::json::Unread;
 use super::words;
-use crate::http::error::{FieldCode, FieldError};
+use pass::Pass;
+use toolpathd_core::budget::Budget;
+use written::Written;
 
 /// Most elements of an array whose length belongs to its type: a point, or a row of a Bezier patch. The
 /// lengths of longer arrays depend on other members and on settings, so rules of the request judge them.
 const LONGEST_TUPLE: usize = 4;
-
-/// Whole numbers from here on may not be exact in floating point (2^53 is about 9.007e15).
-const LARGEST_WHOLE: f64 = 9e15;
-
-/// The schema of names of dialects. An unknown dialect has a code of its own.
-const DIALECTS: &str = "DialectName";
-
-/// The union, and its kinds that reports count and this version cannot read yet.
-const PLANNED: (&str, &[&str]) = ("Move", &["spline"]);
 
 /// The schema of a request, with all schemas that it refers to.
 pub struct Contract {
@@ -67,26 +65,41 @@ impl Contract {
         Arc::clone(made.entry(TypeId::of::<T>()).or_insert_with(make))
     }
 
-    /// Finds all violations of `body`, and writes `body` as the decoder needs it.
-    pub fn check(&self, body: &mut Value) -> Violations {
-        let mut pass = BodyCheck { contract: self, violations: Violations::default() };
-        pass.value(&Path::Body, &self.request, body);
-        pass.violations
+    /// Finds all violations of the body with this text.
+    ///
+    /// # Errors
+    /// When `text` is not JSON, or `budget` stops the pass.
+    pub fn check(&self, text: &str, budget: &Budget) -> Result<Checked, Unread> {
+        Pass::new(self, Written::forgotten(), budget).over(text).map(|(checked, _)| checked)
+    }
+
+    /// Writes the body with this text as the decoder needs it.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn written(&self, text: &str, budget: &Budget) -> Result<String, Unread> {
+        Pass::new(self, Written::kept(), budget).over(text).map(|(_, written)| written.text())
     }
 
     /// The schema that `schema` refers to, and its name. Where the schema allows `null` besides another
     /// schema, the other schema. `None` where the name has no schema.
     pub(super) fn resolved<'a>(&'a self, schema: &'a RefOr<Schema>) -> Option<(&'a str, &'a Schema)> {
-        let (name, schema) = match schema {
-            RefOr::T(schema) => ("", schema),
-            RefOr::Ref(reference) => {
-                let (_, name) = reference.ref_location.rsplit_once('/')?;
-                match self.named.get(name)? {
-                    RefOr::T(schema) => (name, schema),
-                    further @ RefOr::Ref(_) => return self.resolved(further),
-                }
-            }
-        };
+        match schema {
+            RefOr::T(schema) => self.without_null("", schema),
+            RefOr::Ref(reference) => self.at(&reference.ref_location),
+        }
+    }
+
+    /// As [`Self::resolved`], for the location of a schema, such as `#/components/schemas/Point`.
+    fn at(&self, location: &str) -> Option<(&str, &Schema)> {
+        let (_, name) = location.rsplit_once('/')?;
+        match self.named.get_key_value(name)? {
+            (name, RefOr::T(schema)) => self.without_null(name, schema),
+            (_, further @ RefOr::Ref(_)) => self.resolved(further),
+        }
+    }
+
+    fn without_null<'a>(&'a self, name: &'a str, schema: &'a Schema) -> Option<(&'a str, &'a Schema)> {
         match schema {
             Schema::OneOf(OneOf { discriminator: None, items, .. }) => {
                 let is_null = |item: &&RefOr<Schema>| match item {
@@ -99,9 +112,8 @@ impl Contract {
         }
     }
 
-    /// Of the schemas that `schema` lets choose from, the one that takes a value of the type of `value`;
-    /// `schema` itself where there is no such choice.
-    fn alternative<'a>(&'a self, schema: &'a RefOr<Schema>, value: &Value) -> &'a RefOr<Schema> {
+    /// What `schema` asks for, with references followed.
+    fn asked<'a>(&'a self, schema: &'a RefOr<Schema>) -> Asked<'a> {
         let own = match schema {
             RefOr::T(own) => Some(own),
             RefOr::Ref(reference) => {
@@ -112,16 +124,11 @@ impl Contract {
                 }
             }
         };
-        let Some(Schema::OneOf(OneOf { discriminator: None, items, .. })) = own else { return schema };
-        let takes = |item: &&RefOr<Schema>| match item {
-            RefOr::T(Schema::Object(object)) => match type_of(&object.schema_type) {
-                Type::Number => value.is_number(),
-                Type::String => value.is_string(),
-                _ => false,
-            },
-            _ => false,
+        let choices = match own {
+            Some(Schema::OneOf(OneOf { discriminator: None, items, .. })) => items.as_slice(),
+            _ => &[],
         };
-        items.iter().find(takes).unwrap_or(schema)
+        Asked { usual: self.resolved(schema), choices }
     }
 
     /// What a schema expects, for people.
@@ -153,147 +160,34 @@ impl Contract {
     }
 }
 
-/// The pass over one body.
-struct BodyCheck<'a> {
-    contract: &'a Contract,
-    violations: Violations,
+/// What a pass has found.
+pub struct Checked {
+    pub violations: Violations,
+    /// Whether there is a violation that the decoder refuses. The rules of the request judge the others.
+    pub is_refused: bool,
 }
 
-impl BodyCheck<'_> {
-    fn blame(&mut self, at: &Path, code: FieldCode, detail: impl FnOnce() -> String) {
-        self.violations.add_made(|| FieldError::new(&at.pointer(), code, detail()));
-    }
+/// What a schema asks for at a place of the body.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    /// The schema and its name. `None` where its name has no schema.
+    usual: Option<(&'a str, &'a Schema)>,
+    /// The schemas to choose from by the type of the value.
+    choices: &'a [RefOr<Schema>],
+}
 
-    fn value(&mut self, at: &Path, schema: &RefOr<Schema>, value: &mut Value) {
-        let contract = self.contract;
-        let schema = contract.alternative(schema, value);
-        let Some((name, schema)) = contract.resolved(schema) else { return };
-        match (schema, &mut *value) {
-            (Schema::Array(array), Value::Array(elements)) => self.elements(at, array, elements),
-            (Schema::OneOf(OneOf { discriminator: Some(kinds), .. }), Value::Object(members)) => {
-                self.union(at, name, kinds, members);
-            }
-            (Schema::Object(object), sent) => match (type_of(&object.schema_type), sent) {
-                (Type::Object, Value::Object(members)) => self.members(at, object, members),
-                (Type::String, Value::String(text)) => self.text(at, name, object, text),
-                (Type::Boolean, Value::Bool(_)) => {}
-                (Type::Number, Value::Number(number)) => self.number(at, object, number),
-                (Type::Integer, Value::Number(number)) if is_whole(number) => {
-                    self.integer(at, object, number);
-                }
-                _ => self.wrong_type(at, schema, value),
-            },
-            _ => self.wrong_type(at, schema, value),
-        }
-    }
-
-    fn wrong_type(&mut self, at: &Path, schema: &Schema, value: &Value) {
-        let contract = self.contract;
-        self.blame(at, FieldCode::WrongType, || words::wrong(&contract.expectation(schema), value));
-    }
-
-    fn elements(&mut self, at: &Path, array: &Array, elements: &mut [Value]) {
-        if tuple(array).is_some_and(|(least, most)| !(least..=most).contains(&elements.len())) {
-            let contract = self.contract;
-            let sent = elements.len();
-            self.blame(at, FieldCode::WrongLength, || {
-                format!("send {}, not an array of {sent}", contract.expected_array(array))
-            });
-        }
-        let Some(items) = items(array) else { return };
-        for (k, element) in elements.iter_mut().enumerate() {
-            self.value(&Path::Element(at, k), items, element);
-        }
-    }
-
-    /// An object whose member `kind` says which other members the object has.
-    fn union(&mut self, at: &Path, name: &str, kinds: &Discriminator, members: &mut Map<String, Value>) {
-        let tag = kinds.property_name.as_str();
-        let at_tag = Path::Member(at, tag);
-        let names = || kinds.mapping.keys().map(String::as_str).collect::<Vec<_>>();
-        match members.get(tag) {
-            None | Some(Value::Null) => self.missing(&at_tag, tag),
-            Some(Value::String(kind)) => match kinds.mapping.get(kind) {
-                Some(target) => {
-                    let body = RefOr::Ref(utoipa::openapi::Ref::new(target));
-                    self.value_of_kind(at, &body, members);
-                }
-                None if name == PLANNED.0 && PLANNED.1.contains(&kind.as_str()) => {
-                    self.blame(&at_tag, FieldCode::Unsupported, || {
-                        format!("`{kind}` is not supported yet; use {}", words::one_of(&names()))
-                    });
-                }
-                None => self.blame(&at_tag, FieldCode::UnknownValue, || words::unknown(kind, &names())),
-            },
-            Some(other) => {
-                self.blame(&at_tag, FieldCode::WrongType, || words::wrong(&words::one_of(&names()), other));
-            }
-        }
-    }
-
-    fn value_of_kind(&mut self, at: &Path, schema: &RefOr<Schema>, members: &mut Map<String, Value>) {
-        let contract = self.contract;
-        if let Some((_, Schema::Object(object))) = contract.resolved(schema) {
-            self.members(at, object, members);
-        }
-    }
-
-    fn missing(&mut self, at: &Path, name: &str) {
-        self.blame(at, FieldCode::MissingField, || format!("`{name}` is required"));
-    }
-
-    fn members(&mut self, at: &Path, object: &Object, members: &mut Map<String, Value>) {
-        let others = match object.additional_properties.as_deref() {
-            Some(AdditionalProperties::RefOr(schema)) => Some(schema),
-            _ => None,
+impl<'a> Asked<'a> {
+    /// The schema for a value of the type `sent`.
+    fn of(&self, sent: &Type) -> Option<(&'a str, &'a Schema)> {
+        let takes = |item: &&RefOr<Schema>| match item {
+            RefOr::T(Schema::Object(object)) => type_of(&object.schema_type) == *sent,
+            _ => false,
         };
-        let schema_of = |name: &String| object.properties.get(name).or(others);
-        members.retain(|name, value| !value.is_null() || schema_of(name).is_none());
-        for (name, value) in members.iter_mut() {
-            let at = Path::Member(at, name);
-            match schema_of(name) {
-                Some(schema) => self.value(&at, schema, value),
-                None => self.blame(&at, FieldCode::UnknownField, || {
-                    let known: Vec<&str> = object.properties.keys().map(String::as_str).collect();
-                    words::unknown_member(name, &known)
-                }),
-            }
-        }
-        for name in object.required.iter().filter(|name| !members.contains_key(*name)) {
-            self.missing(&Path::Member(at, name), name);
+        match self.choices.iter().find(takes) {
+            Some(RefOr::T(schema)) if [Type::Number, Type::String].contains(sent) => Some(("", schema)),
+            _ => self.usual,
         }
     }
-
-    fn text(&mut self, at: &Path, name: &str, object: &Object, text: &str) {
-        let characters = || text.chars().count();
-        if let Some(most) = object.max_length.filter(|most| characters() > *most) {
-            self.blame(at, FieldCode::TooLong, || words::too_long(characters(), most));
-        }
-        if object.enum_values.as_ref().is_some_and(|names| !names.iter().any(|name| name == text)) {
-            let code = if name == DIALECTS { FieldCode::UnknownDialect } else { FieldCode::UnknownValue };
-            self.blame(at, code, || words::unknown(text, &words::names(object)));
-        }
-    }
-
-    fn number(&mut self, at: &Path, object: &Object, number: &Number) {
-        let (value, range) = (number.as_f64().unwrap_or(f64::INFINITY), range(object));
-        if !range.holds(value) {
-            self.violations.number(&at.pointer(), value, range, "");
-        }
-    }
-
-    fn integer(&mut self, at: &Path, object: &Object, number: &mut Number) {
-        let (value, range) = (number.as_f64().unwrap_or(f64::INFINITY), range(object));
-        if !range.holds(value) {
-            self.blame(at, FieldCode::OutOfRange, || words::outside(&*number, range.min, range.max));
-        } else if number.is_f64() && value.abs() < LARGEST_WHOLE {
-            *number = Number::from(value as i64);
-        }
-    }
-}
-
-fn is_whole(number: &Number) -> bool {
-    !number.is_f64() || number.as_f64().is_some_and(|value| value.fract() == 0.0)
 }
 
 /// The type of a schema, but for `null`. `Null` if the schema allows only `null`, or names no type.

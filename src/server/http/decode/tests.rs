@@ -2,7 +2,11 @@
 
 mod agreement;
 
+use serde::Deserialize;
+
 use super::*;
+use crate::http::error::{Code, MAX_ERRORS};
+use toolpathd_core::budget::Stopped;
 
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -37,7 +41,7 @@ impl IntoJob for Outer {
 }
 
 fn decoded(body: &[u8]) -> Result<(), ApiError> {
-    job::<Outer>(body, &Limits::DEFAULT).map(|sent| sent.job)
+    job::<Outer>(body, &Limits::DEFAULT, &Budget::unlimited()).map(|sent| sent.job)
 }
 
 fn code_of(body: &str) -> Code {
@@ -88,4 +92,33 @@ fn a_pointer_leads_to_the_member_at_fault() {
         let [only] = error.errors() else { panic!("{body}: {error:?}") };
         assert_eq!((only.pointer.as_str(), only.code), (pointer, code), "{body}: {}", only.detail);
     }
+}
+
+#[test]
+fn a_stopped_budget_ends_the_reading_of_a_long_body() {
+    let budget = Budget::unlimited();
+    budget.stop(Stopped::ShortOfMemory);
+    let points = "[1, 2], ".repeat(10_000);
+    for body in [format!("{{\"_list\": [{points}[1, 2]]}}"), format!("{{\"x\": [{points}[1, 2]]}}")] {
+        let ended = job::<Outer>(body.as_bytes(), &Limits::DEFAULT, &budget).map(|sent| sent.job);
+        assert_eq!(ended, Err(Stopped::ShortOfMemory.into()));
+    }
+}
+
+#[test]
+fn millions_of_violations_are_counted_and_the_first_hundred_listed() {
+    let body = format!("{{\"_list\": [{}[1, 2]], \"_inner\": {{\"_width\": 1}}}}", "0,".repeat(100_000));
+    let error = decoded(body.as_bytes()).expect_err("wrong elements");
+    assert_eq!(error.errors().len(), MAX_ERRORS);
+    assert_eq!(error.detail(), "100000 violations; the first at #/_list/0");
+    assert_eq!(error.errors()[99].pointer, "#/_list/99");
+}
+
+#[test]
+fn an_object_of_many_unknown_members_is_read_to_its_end() {
+    let members: Vec<String> = (0..5_000).map(|k| format!("\"m{k}\": 0")).collect();
+    let error = decoded(format!("{{{}}}", members.join(",")).as_bytes()).expect_err("unknown members");
+    assert_eq!((error.code(), error.errors().len()), (Code::InvalidRequest, MAX_ERRORS));
+    let repeated = format!("{{{}, \"m700\": 1}}", members[..1_000].join(","));
+    assert_eq!(code_of(&repeated), Code::MalformedJson);
 }

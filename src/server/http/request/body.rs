@@ -14,8 +14,10 @@ use super::coding::{Coding, gunzip};
 use super::representation::GCODE;
 use crate::config::{Limits, Settings};
 use crate::http::byte_limit::HeldBytes;
+use crate::http::compute::room::Room;
 use crate::http::decode::{self, IntoJob, SentJob};
 use crate::http::error::{ApiError, Code};
+use toolpathd_core::budget::Budget;
 
 /// First size of the buffer of a body. A full buffer doubles. So the buffer follows the bytes that arrive,
 /// not the `Content-Length` that the caller announces.
@@ -24,6 +26,14 @@ const FIRST_BYTES: usize = 16 * 1024;
 /// Most bytes of a body that is decoded before its job has a worker, to see whether the job is small.
 /// Decoding as many bytes takes some milliseconds. A job that needs more data is seldom small.
 const SHORT_BYTES: usize = 256 * 1024;
+
+/// Bytes that the decoding of a body takes at most for each byte of the body: the request itself, the room
+/// into which its lists grow, and, where members are `null`, the body written again. The dearest bodies are
+/// grids of rows of one point.
+const BYTES_FOR_EACH: usize = 8;
+
+/// Most bytes that come out of one byte of gzip (RFC 1951: 258 bytes for two bits).
+const GZIP_EXPANSION: usize = 1032;
 
 /// A body that was read, with its content coding.
 pub struct SentBody {
@@ -39,6 +49,14 @@ impl SentBody {
         let held = HeldBytes::of(&request)?;
         let bytes = limits.read(request.into_body(), &held).await?;
         Ok(Self { bytes, coding, held, limit: limits.bytes })
+    }
+
+    /// The most bytes that the body may have without its content coding.
+    fn most_bytes(&self) -> usize {
+        match self.coding {
+            Coding::Identity => self.bytes.len(),
+            Coding::Gzip => self.bytes.len().saturating_mul(GZIP_EXPANSION).min(self.limit),
+        }
     }
 
     /// The body without its content coding. Belongs on a thread that computes, because it takes time.
@@ -73,7 +91,8 @@ pub struct JobBody<T: IntoJob> {
 }
 
 /// Makes a job from the bytes of a body.
-type Make<T> = dyn Fn(&[u8], &Limits) -> Result<SentJob<<T as IntoJob>::Job>, ApiError> + Send + Sync;
+type Make<T> =
+    dyn Fn(&[u8], &Limits, &Budget) -> Result<SentJob<<T as IntoJob>::Job>, ApiError> + Send + Sync;
 
 impl<T: IntoJob> JobBody<T> {
     /// Whether the body has at most [`SHORT_BYTES`] as it was sent.
@@ -83,22 +102,29 @@ impl<T: IntoJob> JobBody<T> {
 
     /// As [`Self::job`], where the body has at most [`SHORT_BYTES`] without its content coding; `None` for a
     /// longer body.
-    pub fn short_job(&self, limits: &Limits) -> Option<Result<SentJob<T::Job>, ApiError>> {
+    pub fn short_job(&self, limits: &Limits, budget: &Budget) -> Option<Result<SentJob<T::Job>, ApiError>> {
         let text = match self.body.coding {
             Coding::Identity => self.body.bytes.clone(),
             // A body beyond the limit of bodies is refused by [`Self::job`].
             Coding::Gzip => gunzip(&self.body.bytes, SHORT_BYTES.min(self.body.limit)).ok()?.into(),
         };
-        (text.len() <= SHORT_BYTES).then(|| (self.make)(&text, limits))
+        (text.len() <= SHORT_BYTES).then(|| (self.make)(&text, limits, budget))
     }
 
-    /// Decodes the body as a `T` and checks it. Belongs on a thread that computes, because it takes time.
+    /// Decodes the body as a `T` and checks it, when there is a place for it in `room`. Belongs on a thread
+    /// that computes, because it takes time.
     ///
     /// # Errors
     /// `malformed_json` or `invalid_request`; for a body in gzip also `bad_request`, `payload_too_large` and
-    /// `overloaded`.
-    pub fn job(&self, limits: &Limits) -> Result<SentJob<T::Job>, ApiError> {
-        (self.make)(&self.body.decoded()?.bytes, limits)
+    /// `overloaded`; the reason when `budget` ends.
+    pub fn job(
+        &self,
+        limits: &Limits,
+        room: &Arc<Room>,
+        budget: &Budget,
+    ) -> Result<SentJob<T::Job>, ApiError> {
+        let _place = room.place(self.body.most_bytes().saturating_mul(BYTES_FOR_EACH), budget)?;
+        (self.make)(&self.body.decoded()?.bytes, limits, budget)
     }
 
     /// A body of NC text, from which `make` makes the job.
@@ -110,16 +136,17 @@ impl<T: IntoJob> JobBody<T> {
         limits: BodyLimits,
         make: impl Fn(&[u8], &Limits) -> Result<T::Job, ApiError> + Send + Sync + 'static,
     ) -> Result<Self, ApiError> {
-        let make =
-            move |text: &[u8], limits: &_| Ok(SentJob { job: make(text, limits)?, remarks: Vec::new() });
+        let make = move |text: &[u8], limits: &_, _: &_| {
+            Ok(SentJob { job: make(text, limits)?, remarks: Vec::new() })
+        };
         Ok(Self { body: SentBody::read(request, limits).await?, make: Arc::new(make) })
     }
 
     /// The same body, whose job goes through `change`.
     pub fn then(self, change: impl Fn(T::Job) -> T::Job + Send + Sync + 'static) -> Self {
         let Self { body, make } = self;
-        let make = move |bytes: &[u8], limits: &_| {
-            let SentJob { job, remarks } = make(bytes, limits)?;
+        let make = move |bytes: &[u8], limits: &_, budget: &_| {
+            let SentJob { job, remarks } = make(bytes, limits, budget)?;
             Ok(SentJob { job: change(job), remarks })
         };
         Self { body, make: Arc::new(make) }

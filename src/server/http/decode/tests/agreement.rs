@@ -12,7 +12,8 @@ use utoipa::openapi::{Ref, RefOr};
 
 use crate::config::Limits;
 use crate::http::decode::IntoJob;
-use crate::http::decode::contract::{Contract, items, range, type_of};
+use crate::http::decode::check::Violations;
+use crate::http::decode::contract::{Checked, Contract, items, range, type_of};
 use crate::http::decode::object::Object;
 use crate::http::dto::arc_fitting::FitRequest;
 use crate::http::dto::dropping::DropRequest;
@@ -25,6 +26,7 @@ use crate::http::dto::program_reading::ReadRequest;
 use crate::http::dto::program_writing::WriteRequest;
 use crate::http::error::{FieldCode, FieldError};
 use crate::http::pointer::Pointer;
+use toolpathd_core::budget::Budget;
 
 /// The most kinds of a union.
 const MOST_KINDS: usize = 7;
@@ -151,7 +153,11 @@ fn changed(body: &Value, place: &str, change: &Change) -> Option<(Value, String)
 }
 
 fn decoded<T: IntoJob>(body: &Value) -> Option<T> {
-    serde_json::from_str::<Object<T>>(&body.to_string()).ok().map(|Object(request)| request)
+    decoded_text(&body.to_string())
+}
+
+fn decoded_text<T: IntoJob>(text: &str) -> Option<T> {
+    serde_json::from_str::<Object<T>>(text).ok().map(|Object(request)| request)
 }
 
 /// Whether `pointer` leads to `place` or to a value inside it.
@@ -165,14 +171,20 @@ fn is_within(pointer: &str, place: &str) -> bool {
 const OF_TYPES: [FieldCode; 4] =
     [FieldCode::MissingField, FieldCode::UnknownField, FieldCode::WrongType, FieldCode::UnknownValue];
 
+/// The violations of a body, and the body as the decoder needs it.
+fn checked(contract: &Contract, body: &Value) -> (Violations, String) {
+    let (text, budget) = (body.to_string(), Budget::unlimited());
+    let Checked { violations, .. } = contract.check(&text, &budget).expect("JSON");
+    (violations, contract.written(&text, &budget).expect("JSON"))
+}
+
 /// Checks the laws of one body, made by a change at `blamed`. `is_job` says that no rule refused the body
 /// before the change.
 fn judge<T: IntoJob>(contract: &Contract, body: &Value, blamed: &str, is_job: bool) -> Result<(), String> {
-    let mut written = body.clone();
-    let violations = contract.check(&mut written);
+    let (violations, written) = checked(contract, body);
     let is_clean = violations.total() == 0;
     let found = violations.into_error().errors().to_vec();
-    let request = decoded::<T>(&written);
+    let request = decoded_text::<T>(&written);
     if request.is_none() && is_clean {
         return Err("the decoder refuses the body, and no violation is found".into());
     }
@@ -211,7 +223,7 @@ struct Tally {
 
 /// Checks a legal body and all bodies that one change makes of it.
 fn judge_all<T: IntoJob>(contract: &Contract, body: &Value, name: &str, tally: &mut Tally) {
-    let found = contract.check(&mut body.clone()).into_error();
+    let found = checked(contract, body).0.into_error();
     let Some(request) = decoded::<T>(body).filter(|_| found.errors().is_empty()) else {
         let error = serde_json::from_str::<Object<T>>(&body.to_string()).err();
         tally.faults.push(format!("{name} is not legal: {error:?}, {found:?}"));

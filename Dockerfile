@@ -16,10 +16,10 @@ COPY src/server/Cargo.toml src/server/
 # Benchmarks are not built, but the manifest names them.
 COPY benches benches
 # Empty files stand for the other targets that the manifests name, so that Cargo builds the dependencies alone.
-RUN mkdir -p tests/real/controller tests/real/overload \
+RUN mkdir -p tests/real/controller tests/real/programs \
     && echo 'fn main() {}' > src/main.rs \
     && touch src/core/lib.rs src/nc/lib.rs src/post/lib.rs src/plot/lib.rs src/server/lib.rs \
-        tests/real/controller/main.rs tests/real/overload/main.rs \
+        tests/real/controller/main.rs tests/real/programs/main.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && rm -r src benches
 

@@ -1,5 +1,5 @@
 """Takes every connection that the service allows with callers that send a byte a second, of the head of a
-request and then of its body. Good: `toolpathd healthcheck` and GET /readyz are answered within 1 s.
+request and then of its body. Good: `toolpathd healthcheck` and GET /readyz are answered within 4 s.
 """
 
 import contextlib
@@ -12,10 +12,9 @@ from connection import head
 from service import PROGRAM, Service
 
 CONNECTIONS = 1024
-CHECKS, EVERY_S = 10, 2
-ANSWERED_WITHIN_S = 1
-# Seconds after which a check is given up.
-PATIENCE_S = 3
+CHECKS, EVERY_S = 6, 2
+# Seconds that the health check of the image waits.
+ANSWERED_WITHIN_S = 4
 
 HEAD = b"GET /livez HTTP/1.1\r\nHost: localhost\r\nX-Name: "
 BODY = head("POST", "/v1/arcs/fit", 1000)
@@ -32,10 +31,9 @@ def attack():
             f"{name}: healthcheck {len(times)} of {CHECKS}, {slowest}; readyz {ready} of {CHECKS}; "
             f"{opened} connections opened"
         )
-        late = sum(seconds is None or seconds > ANSWERED_WITHIN_S for seconds in healthy)
-        if late:
+        if len(times) < CHECKS:
             what = f"failed or took over {ANSWERED_WITHIN_S} s"
-            failures.append(f"{name}: {late} of {CHECKS} health checks {what}")
+            failures.append(f"{name}: {CHECKS - len(times)} of {CHECKS} health checks {what}")
         if ready < CHECKS:
             failures.append(f"{name}: {CHECKS - ready} of {CHECKS} requests of /readyz were not answered")
     return "; ".join(figures), failures
@@ -69,7 +67,7 @@ def check_health(service):
     command = [PROGRAM, "healthcheck", "--listen", "{}:{}".format(*service.address)]
     started = time.monotonic()
     try:
-        done = subprocess.run(command, stderr=subprocess.DEVNULL, timeout=PATIENCE_S)
+        done = subprocess.run(command, stderr=subprocess.DEVNULL, timeout=ANSWERED_WITHIN_S)
     except subprocess.TimeoutExpired:
         return None
     return time.monotonic() - started if done.returncode == 0 else None

@@ -111,7 +111,7 @@ def log_line(service, failures):
 def is_accepted(settings, failures):
     command = [PROGRAM, "--listen", "127.0.0.1:0", *settings]
     try:
-        done = subprocess.run(command, capture_output=True, timeout=2)
+        done = subprocess.run(command, capture_output=True, timeout=10)
     except subprocess.TimeoutExpired:
         failures.append(f"{settings} was accepted at start")
         return True

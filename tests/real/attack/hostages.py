@@ -1,4 +1,4 @@
-"""Keeps both workers busy with jobs of 20 s. Good: a job of 0.1 s is answered within 1 s all the same, also
+"""Keeps both workers busy with jobs of 20 s. Good: a job of 0.1 s is answered within 5 s all the same, also
 while further long jobs wait, and a program that is rewritten as a stream is answered whole.
 """
 
@@ -11,9 +11,8 @@ from connection import Connection, head
 from service import Service
 
 WORKERS, QUEUED, SHORT_JOBS = 2, 6, 10
-ANSWERED_WITHIN_S = 1
 # Seconds after which the caller of a short job, or of a program, gives up.
-PATIENCE_S, PROGRAM_PATIENCE_S = 2, 30
+PATIENCE_S, PROGRAM_PATIENCE_S = 5, 60
 # Lines of the program; each has some 27 bytes.
 LINES = 100_000
 
@@ -26,13 +25,12 @@ def attack():
         # Some short jobs more, while long jobs wait before them.
         with hostage_takers(service, WORKERS + QUEUED):
             behind = short_jobs(service)
-    late = [seconds for seconds in times + behind if seconds > ANSWERED_WITHIN_S]
+    lost = (times + behind).count(float("inf"))
     waiting = f"behind {QUEUED} waiting jobs: {shown(behind)}"
     figures = f"short jobs: {shown(times)}; {waiting}; program: {program_s:.1f} s"
     failures = [program_failure] if program_failure else []
-    if late:
-        took = f"were not answered within {ANSWERED_WITHIN_S} s"
-        failures.append(f"{len(late)} of {2 * SHORT_JOBS} short jobs {took}")
+    if lost:
+        failures.append(f"{lost} of {2 * SHORT_JOBS} short jobs were not answered within {PATIENCE_S} s")
     return figures, failures
 
 

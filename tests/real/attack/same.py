@@ -22,7 +22,7 @@ TIMES = 360
 WORKERS = (1, 2, 8)
 # Connections that share the requests.
 CONNECTIONS = 4
-PATIENCE_S = 20
+PATIENCE_S = 60
 
 
 def attack():
@@ -38,7 +38,7 @@ def attack():
             for thread in threads:
                 thread.start()
             for thread in threads:
-                thread.join(120)
+                thread.join(600)
     expected = TIMES * len(WORKERS)
     for name, counted in answers.items():
         if len(counted) != 1 or counted.total() != expected:

@@ -11,10 +11,11 @@ from pathlib import Path
 from connection import Connection
 
 ROOT = Path(__file__).resolve().parents[3]
-PROGRAM = os.environ.get("TOOLPATHD", str(ROOT / "target/debug/toolpathd"))
+TARGET = os.environ.get("CARGO_TARGET_DIR", "target")
+PROGRAM = os.environ.get("TOOLPATHD", str(ROOT / TARGET / "debug/toolpathd"))
 
 # Seconds in which the service must print its address.
-START_LIMIT_S = 10
+START_LIMIT_S = 30
 # Ticks of processor time in a second.
 TICKS = os.sysconf("SC_CLK_TCK")
 

@@ -1,9 +1,10 @@
 """Runs the random tests of the crates and of tests/it on fresh seeds.
 
-First every kept case runs again. Each line of tests/real/explore/cases is a case: a seed, a test binary and the name of a
-test. If a kept case fails, the script ends with exit code 1. Then random tests run on fresh seeds until the time is over. A
-failure on a fresh seed need not come from the latest change. So the script prints the case, adds it to the file, which is
-to be committed, and still ends with exit code 0.
+First every kept case runs again. Each line of tests/real/explore/cases is a case that failed once: a seed, a test binary and
+the name of a test. If a kept case fails, the script ends with exit code 1. Then random tests run on fresh seeds until the
+time is over. A failure on a fresh seed need not come from the latest change. So the script prints it as a line
+`FOUND seed=... test=...` with the smallest case, and still ends with exit code 0. The whole outputs go to a folder of
+temporary files. Who mends such a failure adds its seed to the kept cases.
 
 EXPLORE_SECONDS  time for fresh seeds in seconds; 300 if not given
 EXPLORE_SEED     the seed from which all other seeds follow; random if not given
@@ -20,11 +21,13 @@ import random
 import re
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 CASES = ROOT / "tests/real/explore/cases"
+FOUND = pathlib.Path(tempfile.gettempdir()) / "toolpathd-explore"
 SECONDS = float(os.environ.get("EXPLORE_SECONDS", "300"))
 SEED = int(os.environ.get("EXPLORE_SEED", random.SystemRandom().randrange(1 << 32)))
 
@@ -103,8 +106,15 @@ def again(executables):
     return failed
 
 
+def smallest(output):
+    """The smallest case that proptest has found, else what the test said when it failed."""
+    case = re.search(r"^Test failed: (.*?)^\s*successes: ", output, re.S | re.M)
+    said = re.search(r"panicked at [^\n]*\n(.*?)^(?:note: |failures:|$)", output, re.S | re.M)
+    return (case or said)[1].strip() if case or said else output
+
+
 def explore(executables):
-    """Tries fresh seeds until the time is over."""
+    """Tries fresh seeds until the time is over. Ends the script where no test ran."""
     tests = []
     for binary, folder in FOLDERS.items():
         names = listed(executables[binary])
@@ -113,7 +123,7 @@ def explore(executables):
     tests = sorted(set(tests))
     print(f"{len(tests)} random tests for {SECONDS:.0f} s, EXPLORE_SEED={SEED}", flush=True)
     source, lock, end = random.Random(SEED), threading.Lock(), time.monotonic() + SECONDS
-    waiting, runs, failures = [], [0], []
+    waiting, runs, found = [], [0], []
 
     def worker():
         while time.monotonic() < end:
@@ -125,16 +135,18 @@ def explore(executables):
             with lock:
                 runs[0] += 1
                 if output:
-                    failures.append(name)
-                    print(f"seed {seed}: {binary} {name} fails\n{output}", flush=True)
-                    with CASES.open("a") as cases:
-                        cases.write(f"{seed} {binary} {name}\n")
+                    FOUND.mkdir(parents=True, exist_ok=True)
+                    found.append(FOUND / f"{seed}-{binary}-{name.replace('::', '.')}")
+                    found[-1].write_text(output)
+                    print(f"FOUND seed={seed} test={binary}::{name}\n{smallest(output)}", flush=True)
 
     with concurrent.futures.ThreadPoolExecutor() as pool:
         count = os.cpu_count() or 1
         for one in [pool.submit(worker) for _ in range(count)]:
             one.result()
-    print(f"{runs[0]} runs, {len(failures)} failures" + (f", kept in {CASES.relative_to(ROOT)}" if failures else ""))
+    print(f"{runs[0]} runs, {len(found)} failures" + (f", whose outputs are in {FOUND}" if found else ""))
+    if not runs[0]:
+        sys.exit("no random test ran")
 
 
 if __name__ == "__main__":

@@ -116,14 +116,20 @@ mod tests {
         assert_eq!(text, expected);
     }
 
+    /// Most tries. A busy machine delays some of them, and a log that waits of itself waits in all.
+    const TRIES: usize = 10;
+
     #[test]
     fn a_log_that_takes_nothing_holds_up_neither_its_writers_nor_the_end() {
-        let begun = Instant::now();
-        let (lines, mut writer) = lines(Stuck).expect("a thread");
-        for _ in 0..10 * WAITING_LINES {
-            writer.write_all(b"lost\n").expect("taken");
-        }
-        lines.finish();
-        assert!(begun.elapsed() < 4 * LAST_LINES, "{:?}", begun.elapsed());
+        let mut tries = (0..TRIES).map(|_| {
+            let begun = Instant::now();
+            let (lines, mut writer) = lines(Stuck).expect("a thread");
+            for _ in 0..10 * WAITING_LINES {
+                writer.write_all(b"lost\n").expect("taken");
+            }
+            lines.finish();
+            begun.elapsed()
+        });
+        assert!(tries.any(|took| took < 4 * LAST_LINES), "each try took longer");
     }
 }

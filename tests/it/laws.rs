@@ -59,6 +59,10 @@ fn job(pitch: impl Strategy<Value = f64> + Clone, least_tolerance: f64) -> impl 
     )
 }
 
+/// Most tries to plan in time. A busy machine delays some of them, and a planner that does not look at its
+/// deadline is late in all.
+const TRIES: usize = 5;
+
 /// Plans a job with a deadline. Returns the result and the time that planning took.
 fn planned(job: &Job, deadline: Duration) -> (Result<Plan, Error>, Duration) {
     let begun = Instant::now();
@@ -131,9 +135,12 @@ proptest! {
     ) {
         for engine in ENGINES {
             let job = Job { engine, ..job.clone() };
-            let (result, took) = planned(&job, DEADLINE);
+            let latest = DEADLINE + MOST_AFTER;
+            let mut plans = (0..TRIES).map(|_| planned(&job, DEADLINE));
+            let in_time = plans.find(|(_, took)| *took < latest);
+            prop_assert!(in_time.is_some(), "{engine:?} ended {TRIES} times later than {latest:?}");
+            let Some((result, _)) = in_time else { continue };
             let is_stopped = matches!(result, Err(Error::Stopped(Stopped::DeadlinePassed)));
-            prop_assert!(took < DEADLINE + MOST_AFTER, "{engine:?} ended only after {took:?}");
             prop_assert!(
                 is_stopped || keeps_the_law(&job, &result),
                 "{engine:?}: neither within the tolerance nor refused nor stopped: {:?}", result.map(|p| p.report)

@@ -150,7 +150,7 @@ pub fn send_by(
     let Target { address, settings } = target;
     let opened: io::Result<Box<dyn Line>> = match address {
         Address::Serial(path) => Serial::open(path, settings).map(|line| Box::new(line) as _),
-        Address::Tcp(address) => Tcp::open(address).map(|line| Box::new(line) as _),
+        Address::Tcp(address) => Tcp::open(address, settings).map(|line| Box::new(line) as _),
     };
     let mut line = opened.map_err(|error| SendError::Open { address: address.clone(), error })?;
     Ok(run(&mut *line, sender, stop, observe))

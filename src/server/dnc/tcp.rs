@@ -10,24 +10,26 @@ use std::time::{Duration, Instant};
 
 use super::line::{Line, more, wait_for, without_blocking};
 use super::sender::Delivery;
+use super::settings::Settings;
 
 /// Longest time to connect to one address.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// How long the peer may take to close its side. Most device servers keep the connection open, so a longer
-/// wait would only delay the report.
+/// How long the peer may take to close its side, where the patience with it does not end before. Most device
+/// servers keep the connection open, so a longer wait would only delay the report.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// An open connection.
 #[derive(Debug)]
 pub struct Tcp {
     stream: TcpStream,
+    close_timeout: Duration,
 }
 
 impl Tcp {
     /// # Errors
     /// When the name is unknown, or no address of it takes the connection.
-    pub fn open(address: &str) -> io::Result<Self> {
+    pub fn open(address: &str, settings: &Settings) -> io::Result<Self> {
         let mut last = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
         for address in address.to_socket_addrs()? {
             match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
@@ -35,7 +37,7 @@ impl Tcp {
                     // Short writes are meant: each waits for the control.
                     stream.set_nodelay(true)?;
                     stream.set_nonblocking(true)?;
-                    return Ok(Self { stream });
+                    return Ok(Self { stream, close_timeout: CLOSE_TIMEOUT.min(settings.patience) });
                 }
                 Err(error) => last = error,
             }
@@ -67,7 +69,7 @@ impl Line for Tcp {
 
     fn finish(&mut self) -> io::Result<Delivery> {
         self.stream.shutdown(Shutdown::Write)?;
-        let limit = Instant::now() + CLOSE_TIMEOUT;
+        let limit = Instant::now() + self.close_timeout;
         let mut answer = [0; 256];
         loop {
             match self.stream.read(&mut answer) {

@@ -1,7 +1,6 @@
 //! Connections that are slow, silent or closed.
 
 use std::sync::Arc;
-use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use axum::Router;
@@ -18,6 +17,13 @@ use super::support::{
 
 const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
 
+/// Most tries of what must be quick. A busy machine delays some of them, and what is slow of itself is slow
+/// in all.
+const TRIES: usize = 30;
+
+/// Longer than any wait on a busy machine.
+const NEVER: Duration = Duration::from_secs(30);
+
 /// A computation that ends only when its budget ends.
 fn spin(budget: &Budget) {
     while budget.check().is_ok() {
@@ -28,19 +34,20 @@ fn spin(budget: &Budget) {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() {
     let app = app(&["--workers", "1"]);
-    let limit = Duration::from_secs(20);
+    let limit = 2 * NEVER;
     let capacity = Capacity { workers: 1, queue: 0, wait: limit, deadline: limit };
     let compute = Arc::new(Compute::new(capacity, Memory::of(None)));
-    let ended = Arc::new(Mutex::new(None));
+    let pool = Arc::clone(&compute);
+    let (tell_end, mut ends) = tokio::sync::mpsc::unbounded_channel();
     let begun = Arc::new(tokio::sync::Notify::new());
-    let (stopped, started) = (Arc::clone(&ended), Arc::clone(&begun));
+    let started = Arc::clone(&begun);
     let handler = move |_body: String| {
-        let (compute, stopped, started) = (Arc::clone(&compute), Arc::clone(&stopped), Arc::clone(&started));
+        let (compute, tell_end, started) = (Arc::clone(&compute), tell_end.clone(), Arc::clone(&started));
         async move {
             let job = move |budget: &Budget| {
                 started.notify_one();
                 spin(budget);
-                *stopped.lock().expect("no panic") = Some(Instant::now());
+                tell_end.send(Instant::now()).expect("the test waits");
             };
             let ticket = compute.admit().expect("room");
             let run = move |budget: &Budget| {
@@ -52,7 +59,8 @@ async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() 
     };
     let server = Server::with_router(&app, Router::new().route("/spin", post(handler))).await;
     let address = server.address;
-    for _ in 0..3 {
+    let mut quick = 0;
+    for _ in 0..TRIES {
         let stream = aside(move || {
             let mut stream = connect(address);
             write(&mut stream, &format!("{}body", post_head("/spin", 4)));
@@ -61,30 +69,44 @@ async fn a_closed_connection_stops_its_computation_within_a_tenth_of_a_second() 
         .await;
         begun.notified().await;
         tokio::time::sleep(Duration::from_millis(100)).await;
-        assert!(ended.lock().expect("no panic").is_none());
+        assert!(ends.is_empty(), "the computation ended while its caller was there");
         let closed = Instant::now();
         drop(stream);
-        tokio::time::sleep(Duration::from_millis(300)).await;
-        let ended = ended.lock().expect("no panic").take().expect("the computation has stopped");
-        assert!(ended - closed < Duration::from_millis(100), "it stopped only after {:?}", ended - closed);
+        let ended = tokio::time::timeout(NEVER, ends.recv()).await.expect("the computation stops");
+        quick += usize::from(ended.expect("an end") - closed < Duration::from_millis(100));
+        if quick == 3 {
+            break;
+        }
+        until(|| !pool.is_full()).await;
     }
+    assert_eq!(quick, 3, "of {TRIES} computations so many stopped within a tenth of a second");
     server.stop().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_full_queue_and_a_long_wait_are_503_and_a_passed_deadline_504() {
-    let app = app(&["--workers", "1", "--queue", "1", "--deadline-s", "0.3", "--queue-wait-s", "0.2"]);
-    let running = spawn_on(&app, spin);
-    tokio::time::sleep(Duration::from_millis(50)).await;
-    let queued = spawn_on(&app, spin);
-    tokio::time::sleep(Duration::from_millis(50)).await;
-    let refused = post_to(&app, MILL, ONE_PASS, &[]).await;
+    let patient = app(&["--workers", "1", "--queue", "1", "--deadline-s", "300", "--queue-wait-s", "300"]);
+    let (end_first, first_ended) = std::sync::mpsc::channel::<()>();
+    let running = spawn_on(&patient, move |_| {
+        let _ = first_ended.recv();
+    });
+    until(|| patient.compute.running() == 1).await;
+    let queued = spawn_on(&patient, |_| {});
+    until(|| patient.compute.waiting() == 1).await;
+    let refused = post_to(&patient, MILL, ONE_PASS, &[]).await;
     assert_eq!((refused.status.as_u16(), refused.code().as_str()), (503, "overloaded"));
     assert!(refused.header("retry-after").parse::<u32>().is_ok());
-    assert!(running.await.is_ok() && queued.await.is_ok());
+    drop(end_first);
+    assert_eq!(running.await.expect("no panic"), Ok(Ok(())));
+    assert_eq!(queued.await.expect("no panic"), Ok(Ok(())));
 
-    let deaf = spawn_on(&app, |_| std::thread::sleep(Duration::from_secs(1)));
-    tokio::time::sleep(Duration::from_millis(50)).await;
+    let app = app(&["--workers", "1", "--queue", "1", "--deadline-s", "1", "--queue-wait-s", "0.2"]);
+    // It does not look at its budget, and goes on after its deadline.
+    let (end_deaf, deaf_ended) = std::sync::mpsc::channel::<()>();
+    let deaf = spawn_on(&app, move |_| {
+        let _ = deaf_ended.recv();
+    });
+    until(|| app.compute.running() == 1).await;
     // A small job would not wait for the large one.
     let mut long: serde_json::Value = serde_json::from_str(DIE).expect("JSON");
     long["strategy"]["stepover_mm"] = 0.01.into();
@@ -95,11 +117,21 @@ async fn a_full_queue_and_a_long_wait_are_503_and_a_passed_deadline_504() {
     assert_eq!(small.status.as_u16(), 200);
     assert_eq!(deaf.await.expect("no panic"), Err(Failure::DeadlinePassed));
 
-    while app.compute.running() > 0 {
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+    assert_eq!(app.compute.running(), 1);
+    drop(end_deaf);
+    until(|| app.compute.running() == 0).await;
     let late = post_to(&app, MILL, long.to_string(), &[]).await;
     assert_eq!((late.status.as_u16(), late.code().as_str()), (504, "deadline_passed"));
+}
+
+/// Waits until something is so.
+async fn until(is_so: impl Fn() -> bool) {
+    let wait = async {
+        while !is_so() {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+    };
+    tokio::time::timeout(NEVER, wait).await.expect("it becomes so");
 }
 
 /// Starts a job on the threads of the service.
@@ -182,7 +214,7 @@ async fn a_foreign_host_name_is_refused_and_a_request_names_one_host() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_request_that_stops_arriving_times_out_and_delays_no_other_request() {
+async fn a_request_that_stops_arriving_times_out() {
     let app = app(&["--workers", "1", "--header-timeout-s", "0.4", "--body-timeout-s", "0.4"]);
     let server = Server::start(&app).await;
     let address = server.address;
@@ -193,27 +225,54 @@ async fn a_request_that_stops_arriving_times_out_and_delays_no_other_request() {
             write(&mut stream, beginning);
             assert!(read_answer(&mut stream).is_none_or(|answer| answer.starts_with("HTTP/1.1 4")));
             let waited = started.elapsed();
-            assert!(waited < Duration::from_secs(2), "{beginning:?} was kept for {waited:?}");
+            // The timeout that nobody has set is 10 s.
+            assert!(waited < Duration::from_secs(8), "{beginning:?} was kept for {waited:?}");
         }
 
         let mut slow = connect(address);
         write(&mut slow, &format!("{}{{", post_head(MILL, 100)));
-        let mut quick = connect(address);
-        let started = Instant::now();
-        write(&mut quick, &format!("{}{{}}", post_head(MILL, 2)));
-        assert!(read_answer(&mut quick).expect("an answer").starts_with("HTTP/1.1 422"));
-        assert!(started.elapsed() < Duration::from_millis(300), "a slow request delays another one");
         let answer = read_answer(&mut slow).expect("an answer");
         assert!(answer.starts_with("HTTP/1.1 408"), "the slow body did not time out: {answer}");
         assert!(answer.contains("\"code\":\"request_timeout\""));
+    })
+    .await;
+    server.stop().await;
+}
 
-        // Every byte that arrives starts the timeout again.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_request_that_arrives_slowly_delays_no_other_request() {
+    let app = app(&["--workers", "1", "--body-timeout-s", "300", "--body-deadline-s", "300"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
+        let mut slow = connect(address);
+        write(&mut slow, &format!("{}{{", post_head(MILL, 2)));
+        let mut quick = connect(address);
+        write(&mut quick, &format!("{}{{}}", post_head(MILL, 2)));
+        assert!(read_answer(&mut quick).expect("an answer").starts_with("HTTP/1.1 422"));
+        // The slow request is still under way.
+        write(&mut slow, "}");
+        assert!(read_answer(&mut slow).expect("an answer").starts_with("HTTP/1.1 422"));
+    })
+    .await;
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn every_byte_of_a_body_that_arrives_starts_its_timeout_again() {
+    let timeout = Duration::from_secs(2);
+    let app = app(&["--workers", "1", "--body-timeout-s", "2"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    aside(move || {
         let mut steady = connect(address);
+        let started = Instant::now();
         write(&mut steady, &post_head(MILL, 4));
         for byte in ["{", " ", " ", "}"] {
-            std::thread::sleep(Duration::from_millis(250));
+            std::thread::sleep(timeout * 3 / 10);
             write(&mut steady, byte);
         }
+        assert!(started.elapsed() > timeout);
         assert!(read_answer(&mut steady).expect("an answer").starts_with("HTTP/1.1 422"));
     })
     .await;

@@ -11,6 +11,13 @@ use super::support::{MILL, ONE_PASS, Server, app, connect, post, write};
 
 const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
 
+/// Most tries of what must be quick. A busy machine delays some of them, and what is slow of itself is slow
+/// in all.
+const TRIES: usize = 5;
+
+/// Longer than any wait on a busy machine.
+const NEVER: Duration = Duration::from_secs(20);
+
 /// The example of the die with this stepover.
 fn die_at(stepover_mm: f64) -> String {
     let mut body: Value = serde_json::from_str(DIE).expect("JSON");
@@ -133,27 +140,34 @@ async fn a_failed_computation_sends_a_problem_event_and_a_refused_request_a_plai
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_caller_of_events_that_disconnects_stops_its_computation() {
-    let app = app(&["--workers", "1", "--queue", "0"]);
+    // No deadline comes first.
+    let app = app(&["--workers", "1", "--queue", "0", "--deadline-s", "60"]);
     let server = Server::start(&app).await;
     let address = server.address;
     // Some ten thousand planes take minutes.
     let long = die_at(0.01);
-    let stream = aside(move || {
-        let mut stream = ask(address, &long);
-        let begun = read_until(&mut stream, "\n\n\r\n");
-        assert!(begun.contains("event: progress"), "no progress came first: {begun}");
-        stream
-    })
-    .await;
-    assert!(matches!(app.compute.admit(), Err(Failure::Overloaded { .. })));
-    let closed = Instant::now();
-    drop(stream);
-    while app.compute.admit().is_err() {
-        assert!(
-            closed.elapsed() < Duration::from_secs(2),
-            "the computation goes on after the caller has disconnected"
-        );
-        tokio::time::sleep(Duration::from_millis(5)).await;
+    let mut is_quick = false;
+    for _ in 0..TRIES {
+        let long = long.clone();
+        let stream = aside(move || {
+            let mut stream = ask(address, &long);
+            let begun = read_until(&mut stream, "\n\n\r\n");
+            assert!(begun.contains("event: progress"), "no progress came first: {begun}");
+            stream
+        })
+        .await;
+        assert!(matches!(app.compute.admit(), Err(Failure::Overloaded { .. })));
+        let closed = Instant::now();
+        drop(stream);
+        while app.compute.admit().is_err() {
+            assert!(closed.elapsed() < NEVER, "the computation goes on after the caller has disconnected");
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        is_quick = closed.elapsed() < Duration::from_secs(2);
+        if is_quick {
+            break;
+        }
     }
+    assert!(is_quick, "each time the computation went on for a while after the caller had disconnected");
     server.stop().await;
 }

@@ -3,12 +3,20 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 
-use serde_json::Value;
+use serde_json::{Value, json};
+use tokio::sync::OnceCell;
 use toolpathd_post::{DIALECTS, Dialect};
-use toolpathd_server::http::contract;
+use toolpathd_server::http::{App, contract};
 
-use super::support::{app, for_dialect, post};
+use super::support::{Answer, app, for_dialect, post};
+
+/// An answer that is computed when it is asked for first.
+type Known = Arc<OnceCell<Arc<Answer>>>;
+
+/// The answers in JSON to all examples, by endpoint and name.
+static ANSWERS: Mutex<BTreeMap<String, Known>> = Mutex::new(BTreeMap::new());
 
 /// One file of `openapi/examples`: its endpoint, its name and its body.
 struct Example {
@@ -18,7 +26,35 @@ struct Example {
 }
 
 impl Example {
-    /// The body for the dialects that can write its program: a leaning tool needs words for its axis.
+    /// The answer in JSON to a request with the id `one`. Several tests look at it, and it is computed once.
+    async fn in_json(&self, app: &Arc<App>) -> Arc<Answer> {
+        let Self { path, name, body } = self;
+        let known =
+            Known::clone(ANSWERS.lock().expect("no panic").entry(format!("{path} {name}")).or_default());
+        let query = format!("{path}?format=json");
+        let ask = async || Arc::new(post(app, &query, body.to_string(), &[("x-request-id", "one")]).await);
+        Arc::clone(known.get_or_init(ask).await)
+    }
+
+    /// The endpoint that writes the program of the example, and its body for the dialects that can write the
+    /// program: a leaning tool needs words for its axis. A path that takes long to plan is planned once, and
+    /// `/v1/programs/write` writes it in every dialect.
+    async fn written_in_dialects(&self, app: &Arc<App>) -> (&str, Vec<(&'static Dialect, String)>) {
+        if !["/v1/surfaces/mill", "/v1/pockets/plan"].contains(&self.path.as_str()) {
+            return (&self.path, self.in_dialects().collect());
+        }
+        let answer = self.in_json(app).await.json();
+        let mut body = json!({ "toolpath": answer["toolpath"] });
+        for member in ["tool", "cutting", "program", "meta"] {
+            if let Some(value) = self.body.get(member) {
+                body[member] = value.clone();
+            }
+        }
+        let planned = Self { path: "/v1/programs/write".into(), name: self.name.clone(), body };
+        ("/v1/programs/write", planned.in_dialects().collect())
+    }
+
+    /// The body for the dialects that can write its program.
     fn in_dialects(&self) -> impl Iterator<Item = (&'static Dialect, String)> {
         let leans = self.path.contains("five-axis") || self.name.contains("leaning");
         let all = DIALECTS.iter().copied();
@@ -77,6 +113,18 @@ fn formats(document: &Value, path: &str) -> Vec<String> {
     values.iter().map(|value| value.as_str().expect("a name").to_owned()).collect()
 }
 
+/// Fails unless an answer is a program in ASCII with a name for its file. `what` says which one it is.
+fn assert_program(answer: &Answer, what: &str) {
+    assert_eq!(answer.status, 200, "{what}: refused");
+    assert_eq!(answer.header("content-type"), "text/x-gcode; charset=us-ascii", "{what}");
+    let disposition = answer.header("content-disposition");
+    assert!(
+        disposition.starts_with("attachment; filename=\"") && disposition.ends_with('"'),
+        "{what}: no file name: {disposition}"
+    );
+    assert!(answer.body.is_ascii(), "{what}: not ASCII");
+}
+
 /// Whether an endpoint answers with a toolpath.
 fn is_path(path: &str) -> bool {
     !["/v1/surfaces/model", "/v1/surfaces/drop"].contains(&path)
@@ -105,8 +153,9 @@ fn the_contract_shows_every_example_of_every_endpoint() {
 async fn every_example_is_answered_in_every_form_of_its_endpoint() {
     let app = app(&["--workers", "1"]);
     let document: Value = serde_json::from_str(&contract()).expect("JSON");
-    for Example { path, name, body } in examples() {
-        for format in formats(&document, &path) {
+    for example in examples() {
+        let Example { path, name, body } = &example;
+        for format in formats(&document, path) {
             let (media_type, start) = match format.as_str() {
                 "json" => ("application/json", "{\"engine_version\""),
                 "gcode" => ("text/x-gcode", ""),
@@ -116,14 +165,22 @@ async fn every_example_is_answered_in_every_form_of_its_endpoint() {
                 other => panic!("the form {other} is not known to this test"),
             };
             let query = format!("{path}?format={format}");
-            let id = ("x-request-id", "one");
-            let by_query = post(&app, &query, body.to_string(), &[id]).await;
+            let by_query = match format.as_str() {
+                "json" => example.in_json(&app).await,
+                _ => {
+                    let id = ("x-request-id", "one");
+                    Arc::new(post(&app, &query, body.to_string(), &[id]).await)
+                }
+            };
             assert_eq!(by_query.status, 200, "{path} {name} {format}: refused");
             assert!(
                 by_query.header("content-type").starts_with(media_type),
                 "{path} {name} {format}: another media type"
             );
             assert!(by_query.body.starts_with(start.as_bytes()), "{path} {name} {format}: another beginning");
+            if format == "gcode" && has_program(path) {
+                assert_program(&by_query, &format!("{path} {name}"));
+            }
         }
     }
 }
@@ -149,9 +206,9 @@ async fn the_accept_header_and_the_format_parameter_give_the_same_answer() {
 #[tokio::test]
 async fn every_answer_in_json_has_the_members_of_the_contract() {
     let app = app(&["--workers", "1"]);
-    for Example { path, name, body } in examples() {
-        let query = format!("{path}?format=json");
-        let answer = post(&app, &query, body.to_string(), &[("x-request-id", "one")]).await;
+    for example in examples() {
+        let Example { path, name, body } = &example;
+        let answer = example.in_json(&app).await;
         assert_eq!(answer.header("x-request-id"), "one");
         let json = answer.json();
         assert_eq!(json["engine_version"], env!("CARGO_PKG_VERSION"));
@@ -161,7 +218,7 @@ async fn every_answer_in_json_has_the_members_of_the_contract() {
             json["warnings"].is_array() && json["report"].is_object(),
             "{path} {name}: no warnings or no report"
         );
-        let has_path = is_path(&path);
+        let has_path = is_path(path);
         assert_eq!(json["measures"]["moves"]["line"].is_u64(), has_path, "{path} {name}: measures");
     }
 }
@@ -196,16 +253,10 @@ async fn every_example_becomes_an_ascii_program_in_every_dialect() {
     let app = app(&["--workers", "1"]);
     for example in examples().into_iter().filter(|example| has_program(&example.path)) {
         let Example { path, name, .. } = &example;
-        for (dialect, body) in example.in_dialects() {
-            let by_query = post(&app, &format!("{path}?format=gcode"), body.clone(), &[]).await;
-            assert_eq!(by_query.status, 200, "{path} {name} {}: refused", dialect.name);
-            assert_eq!(by_query.header("content-type"), "text/x-gcode; charset=us-ascii");
-            let disposition = by_query.header("content-disposition");
-            assert!(
-                disposition.starts_with("attachment; filename=\"") && disposition.ends_with('"'),
-                "no file name: {disposition}"
-            );
-            assert!(by_query.body.is_ascii(), "{path} {name} {}: not ASCII", dialect.name);
+        let (written_by, bodies) = example.written_in_dialects(&app).await;
+        for (dialect, body) in bodies {
+            let answer = post(&app, &format!("{written_by}?format=gcode"), body, &[]).await;
+            assert_program(&answer, &format!("{path} {name} {}", dialect.name));
         }
     }
 }
@@ -214,13 +265,19 @@ async fn every_example_becomes_an_ascii_program_in_every_dialect() {
 async fn a_program_is_the_same_under_every_media_type_for_programs() {
     let app = app(&["--workers", "1"]);
     for example in short_examples().into_iter().filter(|example| has_program(&example.path)) {
-        let Example { path, name, .. } = &example;
-        for (dialect, body) in example.in_dialects() {
-            let by_query = post(&app, &format!("{path}?format=gcode"), body.clone(), &[]).await;
-            for media_type in ["text/x.gcode", "application/x-gcode", "text/plain"] {
-                let answer = post(&app, path, body.clone(), &[("accept", media_type)]).await;
-                assert_eq!(answer.header("content-type"), format!("{media_type}; charset=us-ascii"));
-                assert_eq!(answer.body, by_query.body, "{path} {name} {}: another program", dialect.name);
+        let Example { path, name, body } = &example;
+        let own = (path.as_str(), vec![("its own dialect", body.to_string())]);
+        let (writing, bodies) = example.written_in_dialects(&app).await;
+        let bodies = bodies.into_iter().map(|(dialect, body)| (dialect.name, body)).collect();
+        for (path, bodies) in [own, (writing, bodies)] {
+            for (dialect, body) in bodies {
+                let by_query = post(&app, &format!("{path}?format=gcode"), body.clone(), &[]).await;
+                assert_program(&by_query, &format!("{path} {name} {dialect}"));
+                for media_type in ["text/x.gcode", "application/x-gcode", "text/plain"] {
+                    let answer = post(&app, path, body.clone(), &[("accept", media_type)]).await;
+                    assert_eq!(answer.header("content-type"), format!("{media_type}; charset=us-ascii"));
+                    assert_eq!(answer.body, by_query.body, "{path} {name} {dialect}: another program");
+                }
             }
         }
     }

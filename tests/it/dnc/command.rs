@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
-use std::time::Duration;
 
 use super::mock::{Control, Habits, program, tape};
 
@@ -59,7 +58,7 @@ fn an_interrupt_ends_the_sending_at_the_end_of_a_block_with_an_exit_code() {
     let file = Temporary::new("long.nc", &program);
     let control = Control::start(Habits { rate: 1e6, ..Habits::STEADY });
     let child = start(&file, &["--port", &control.path, "--baud", "4800", "--leader", "0"]);
-    std::thread::sleep(Duration::from_millis(1500));
+    control.until_received(300);
     let interrupt = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &interrupt]).status().expect("a shell").success());
     let output = child.wait_with_output().expect("an end");

@@ -1,6 +1,8 @@
 //! A control on a pseudo terminal, with a receive buffer of 256 characters.
 
 use std::io::{ErrorKind, Read, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -45,6 +47,8 @@ pub struct Seen {
 /// A control that runs on a thread of its own until [`Control::end`].
 pub struct Control {
     pub path: String,
+    /// Number of characters that the control has received.
+    n_received: Arc<AtomicUsize>,
     end: Sender<()>,
     thread: JoinHandle<Seen>,
     /// Keeps the terminal open between two senders.
@@ -56,8 +60,19 @@ impl Control {
         let (port, other_side) = TTYPort::pair().expect("a pair of pseudo terminals");
         let path = other_side.name().expect("a name");
         let (end, ended) = channel();
-        let thread = std::thread::spawn(move || live(port, habits, &ended));
-        Self { path, end, thread, _other_side: other_side }
+        let n_received = Arc::new(AtomicUsize::new(0));
+        let count = Arc::clone(&n_received);
+        let thread = std::thread::spawn(move || live(port, habits, &ended, &count));
+        Self { path, n_received, end, thread, _other_side: other_side }
+    }
+
+    /// Waits until the control has received so many characters. Fails if they do not come.
+    pub fn until_received(&self, count: usize) {
+        let limit = Instant::now() + Duration::from_secs(30);
+        while self.n_received.load(Ordering::Relaxed) < count {
+            assert!(Instant::now() < limit, "{:?} of {count} characters came", self.n_received);
+            std::thread::sleep(Duration::from_millis(5));
+        }
     }
 
     /// The control as a target with these settings.
@@ -82,7 +97,7 @@ pub fn settings(list: &str) -> Settings {
     settings
 }
 
-fn live(mut port: TTYPort, habits: Habits, ended: &Receiver<()>) -> Seen {
+fn live(mut port: TTYPort, habits: Habits, ended: &Receiver<()>, n_received: &AtomicUsize) -> Seen {
     port.set_timeout(Duration::from_millis(2)).expect("a timeout");
     let mut seen = Seen { received: Vec::new(), most_held: 0, most_after_off: 0, n_offs: 0 };
     // Characters read out of the buffer, and received since XOFF.
@@ -98,6 +113,7 @@ fn live(mut port: TTYPort, habits: Habits, ended: &Receiver<()>) -> Seen {
             Err(_) => return seen,
         };
         seen.received.extend_from_slice(&part[..count]);
+        n_received.store(seen.received.len(), Ordering::Relaxed);
         let held = seen.received.len() - read as usize;
         seen.most_held = seen.most_held.max(held);
         if let Some(after) = &mut after_off {

@@ -36,9 +36,9 @@ fn a_slow_control_holds_up_the_sender_and_is_never_overrun() {
 }
 
 #[test]
-fn a_stop_of_ten_seconds_in_mid_file_loses_nothing() {
+fn a_long_stop_in_mid_file_loses_nothing() {
     let program = program(60);
-    let stop = Some((500, Duration::from_secs(10)));
+    let stop = Some((500, Duration::from_secs(3)));
     let mut waiting = 0;
     let control = Control::start(Habits { stop, ..Habits::STEADY });
     let target = control.target(SETTINGS);
@@ -46,8 +46,8 @@ fn a_stop_of_ten_seconds_in_mid_file_loses_nothing() {
     let outcome = send(&program, &target, &Stop::default(), &mut count).expect("the port opens");
     let seen = control.end();
     assert_whole(&outcome, &seen, &tape(20, &program));
-    assert!(outcome.waited >= Duration::from_secs(9), "{:?}", outcome.waited);
-    assert!(waiting > 50, "the wait was told {waiting} times only");
+    assert!(outcome.waited >= Duration::from_secs(2), "{:?}", outcome.waited);
+    assert!(waiting > 10, "the wait was told {waiting} times only");
 }
 
 #[test]

@@ -72,8 +72,11 @@ impl Jobs {
     /// Stops the computation that has run for the longest time and is not stopped yet, because the process is
     /// short of memory.
     pub fn stop_oldest(&self) {
+        self.stop_oldest_at(Instant::now());
+    }
+
+    fn stop_oldest_at(&self, now: Instant) {
         let mut registry = self.registry();
-        let now = Instant::now();
         if registry.last_stop.is_some_and(|last| now - last < STOP_INTERVAL) {
             return;
         }
@@ -115,12 +118,12 @@ mod tests {
         let jobs = Arc::new(Jobs::default());
         let budgets = [(); 2].map(|()| Budget::unlimited());
         let [older, younger] = budgets.each_ref().map(|budget| jobs.enter(budget, Kind::Job));
-        jobs.stop_oldest();
-        jobs.stop_oldest();
+        let first = Instant::now();
+        jobs.stop_oldest_at(first);
+        jobs.stop_oldest_at(first + STOP_INTERVAL / 2);
         assert_eq!(budgets.each_ref().map(Budget::check), [Err(Stopped::ShortOfMemory), Ok(())]);
         drop(older);
-        std::thread::sleep(STOP_INTERVAL);
-        jobs.stop_oldest();
+        jobs.stop_oldest_at(first + STOP_INTERVAL);
         assert_eq!(budgets[1].check(), Err(Stopped::TooLarge));
         drop(younger);
         assert_eq!(jobs.running(), 0);

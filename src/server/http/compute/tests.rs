@@ -50,29 +50,46 @@ async fn a_dropped_future_stops_the_job_and_then_frees_the_worker() {
     let job =
         run(&compute, move |budget| sender.send(spin(budget)).map_err(|_| Stopped::Cancelled).map(|()| 0));
     assert!(tokio::time::timeout(Duration::from_millis(50), job).await.is_err());
-    let stopped = tokio::time::timeout(Duration::from_millis(100), stopped).await;
+    // A job that is not stopped ends at its deadline, and says so.
+    let stopped = tokio::time::timeout(LONG_ENOUGH, stopped).await;
     assert_eq!(stopped.expect("in time"), Ok(Stopped::Cancelled));
+    while compute.is_full() {
+        tokio::task::yield_now().await;
+    }
+    assert_eq!(run(&compute, |_| Ok(1)).await, Ok(Ok(1)));
 }
 
 #[tokio::test]
 async fn a_wait_and_a_computation_have_limits_of_their_own() {
-    let compute = pool(1, 1, Duration::from_millis(50), Duration::from_millis(300));
-    let slow = run(&compute, |budget| Err(spin(budget)));
-    let waiting = async {
-        sleep(Duration::from_millis(10)).await;
-        let begun = Instant::now();
-        (run(&compute, |_| Ok(0)).await, begun.elapsed())
-    };
-    let (slow, (waiting, waited)) = tokio::join!(slow, waiting);
-    assert_eq!(slow, Ok(Err(Stopped::DeadlinePassed)));
+    let (wait, deadline) = (Duration::from_millis(50), Duration::from_millis(300));
+    // The wait ends long before the deadline of the computation that it waits for.
+    let compute = pool(1, 1, wait, LONG_ENOUGH);
+    let busy = Arc::clone(&compute);
+    let busy = tokio::spawn(async move { run(&busy, |budget| Err(spin(budget))).await });
+    while compute.running() == 0 {
+        tokio::task::yield_now().await;
+    }
+    let begun = Instant::now();
+    let waiting = run(&compute, |_| Ok(0)).await;
     assert!(matches!(waiting, Err(Failure::NotStarted { .. })), "{waiting:?}");
-    assert!(waited < Duration::from_millis(200), "{waited:?}");
+    assert!(begun.elapsed() >= wait && !busy.is_finished(), "{:?}", begun.elapsed());
+    busy.abort();
 
-    let deaf = run(&compute, |_| {
-        std::thread::sleep(Duration::from_millis(1500));
+    // A computation may take longer than a wait.
+    let compute = pool(1, 1, wait, deadline);
+    let begun = Instant::now();
+    assert_eq!(run(&compute, |budget| Err(spin(budget))).await, Ok(Err(Stopped::DeadlinePassed)));
+    assert!(begun.elapsed() >= deadline, "{:?}", begun.elapsed());
+
+    // One that does not look at its budget is answered while it still runs.
+    let (release, released) = std::sync::mpsc::channel::<()>();
+    let deaf = run(&compute, move |_| {
+        let _ = released.recv();
         Ok(0)
     });
     assert_eq!(deaf.await, Err(Failure::DeadlinePassed));
+    assert_eq!(compute.running(), 1);
+    drop(release);
 }
 
 #[tokio::test]
@@ -115,7 +132,8 @@ async fn a_step_of_a_stream_waits_for_no_job() {
         tokio::task::yield_now().await;
     }
     let step = compute.run_step(Step::OfStream, (), |_| Ok::<_, ()>(3));
-    assert_eq!(tokio::time::timeout(Duration::from_millis(300), step).await, Ok(Ok(Ok(3))));
+    assert_eq!(tokio::time::timeout(LONG_ENOUGH / 4, step).await, Ok(Ok(Ok(3))));
+    assert!(!busy.is_finished());
     busy.abort();
 }
 

@@ -165,7 +165,7 @@ mod tests {
         let mut measured = MeasuredBody::new(Body::from_stream(never), None);
         let speed = Arc::clone(measured.speed());
         std::thread::sleep(short);
-        assert!(speed.is_too_slow(short / 2) && !speed.is_too_slow(100 * short));
+        assert!(speed.is_too_slow(short / 2) && !speed.is_too_slow(1000 * short));
         let polled =
             std::future::poll_fn(|context| Poll::Ready(Pin::new(&mut measured).poll_frame(context))).await;
         assert!(polled.is_pending());

@@ -1,4 +1,4 @@
-"""Attacks the memory of the service from all sides for a minute, within a memory limit of 1 GiB. Good: the
+"""Attacks the memory of the service from all sides for 40 s, within a memory limit of 1 GiB. Good: the
 service lives, uses at most 90 % of the limit, and answers a small request within 1 s when the attack ends.
 
 TOOLPATHD_ATTACKERS=streams,heads lets only these attackers run, and TOOLPATHD_ATTACK_S sets the seconds.
@@ -16,7 +16,7 @@ from service import Service
 
 LIMIT_BYTES = 1 << 30
 SHARE = 0.9
-ATTACK_S = float(os.environ.get("TOOLPATHD_ATTACK_S", "60"))
+ATTACK_S = float(os.environ.get("TOOLPATHD_ATTACK_S", "40"))
 NAMES = [name for name in os.environ.get("TOOLPATHD_ATTACKERS", "").split(",") if name] or list(ATTACKERS)
 
 # Seconds between the normal requests, the patience of their caller, and the time for one after the attack.

@@ -6,7 +6,9 @@ use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use serde_json::{Map, Number, Value};
-use utoipa::openapi::schema::{AdditionalProperties, Array, Discriminator, Object, OneOf, Schema, Type};
+use utoipa::openapi::schema::{
+    AdditionalProperties, Array, Discriminator, Object, OneOf, Schema, SchemaType, Type,
+};
 
 use super::outline::{outline, tag_of, type_of_value};
 use super::written::Written;
@@ -267,6 +269,20 @@ struct ValueCheck<'p, 'c> {
 }
 
 impl ValueCheck<'_, '_> {
+    /// Whether a number is legal and need not be written: the short way for coordinates, of which a body has
+    /// millions.
+    fn takes(&self, number: f64) -> bool {
+        match self.asked.usual {
+            Some((_, Schema::Object(object))) => {
+                matches!(object.schema_type, SchemaType::Type(Type::Number))
+                    && self.asked.choices.is_empty()
+                    && !self.pass.written.is_kept()
+                    && range(object).holds(number)
+            }
+            _ => false,
+        }
+    }
+
     fn scalar<E>(self, sent: &Value) -> Result<Sent, E> {
         if self.is_member && sent.is_null() {
             return Ok(Sent::Absent);
@@ -310,15 +326,15 @@ impl<'de> Visitor<'de> for ValueCheck<'_, '_> {
     }
 
     fn visit_i64<E>(self, sent: i64) -> Result<Sent, E> {
-        self.scalar(&sent.into())
+        if self.takes(sent as f64) { Ok(Sent::Value) } else { self.scalar(&sent.into()) }
     }
 
     fn visit_u64<E>(self, sent: u64) -> Result<Sent, E> {
-        self.scalar(&sent.into())
+        if self.takes(sent as f64) { Ok(Sent::Value) } else { self.scalar(&sent.into()) }
     }
 
     fn visit_f64<E>(self, sent: f64) -> Result<Sent, E> {
-        self.scalar(&sent.into())
+        if self.takes(sent) { Ok(Sent::Value) } else { self.scalar(&sent.into()) }
     }
 
     fn visit_str<E>(self, sent: &str) -> Result<Sent, E> {

@@ -220,6 +220,20 @@ pub fn function(tenths: i32, control: &Control) -> Function {
     }
 }
 
+/// The modal group of an M code; two codes of one group exclude each other on controls that check it.
+pub fn function_group(tenths: i32) -> Option<u8> {
+    match tenths / 10 {
+        0 | 1 | 2 | 30 | 60 => Some(4),
+        62..=68 => Some(5),
+        6 | 61 => Some(6),
+        3..=5 | 19 => Some(7),
+        7..=9 => Some(8),
+        48..=53 => Some(9),
+        100..=199 => Some(10),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

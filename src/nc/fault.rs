@@ -28,6 +28,8 @@ pub enum Fault {
     Conflict,
     #[error("the word {0} is missing")]
     Missing(char),
+    #[error("the code needs X, Y or Z")]
+    NoAxis,
     #[error("coordinates, but no G0, G1, G2, G3 or cycle is in force")]
     NoMotion,
     #[error("the block cuts, but no feed is in force")]

@@ -18,7 +18,7 @@ use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::path::PathError;
 
 use super::block::{Block, Code, Line, WordValue};
-use super::codes::{FeedMode, Function, Meaning, Motion, function, group, meaning};
+use super::codes::{FeedMode, Function, Meaning, Motion, function, function_group, group, meaning};
 use super::control::{Centers, Control, DwellTime, Family, WithoutPoint};
 use super::fault::{Fault, MAX_REFUSALS, Refusal};
 use super::frames::Frames;

@@ -1,6 +1,6 @@
 //! Codes and words that are refused, or left alone and counted.
 
-use super::{AXES, Block, Code, Fault, Function, Line, Machine, Meaning, Next, Note, group};
+use super::{AXES, Block, Code, Fault, Function, Line, Machine, Meaning, Next, Note, function_group, group};
 
 impl Machine<'_> {
     /// Refuses codes that are unknown, not read, or exclude each other.
@@ -43,7 +43,8 @@ impl Machine<'_> {
         }
     }
 
-    /// Counts codes that are left alone, and refuses unknown M codes. Whether there were any.
+    /// Counts codes that are left alone, and refuses M codes that are unknown or exclude each other. Whether
+    /// there were any that are left alone.
     pub(super) fn leave_codes(
         &mut self,
         line: Line<'_>,
@@ -57,7 +58,15 @@ impl Machine<'_> {
                 leaves = true;
             }
         }
+        let mut groups: Vec<u8> = Vec::new();
         for (code, function) in functions {
+            let group = function_group(code.tenths).filter(|_| self.control.is_strict);
+            if let Some(group) = group {
+                if groups.contains(&group) {
+                    self.refuse_code(line, *code, Fault::Conflict);
+                }
+                groups.push(group);
+            }
             match function {
                 Function::LeftAlone => {
                     self.leave_code(line, 'M', code.tenths);
@@ -82,6 +91,10 @@ impl Machine<'_> {
                     self.left.add(&format!("{}0", char::from(letter)), line.number);
                 }
                 b'A' | b'B' | b'C' | b'U' | b'V' | b'W' => self.refuse_word(line, slot, Fault::OtherAxis),
+                // On LinuxCNC and GRBL no code that is left alone takes the centre of an arc.
+                b'I' | b'J' | b'K' if self.control.is_strict => {
+                    self.refuse_word(line, slot, Fault::UnusedWord);
+                }
                 _ if leaves && !AXES.contains(&letter) => {
                     self.left.add(&char::from(letter).to_string(), line.number);
                 }

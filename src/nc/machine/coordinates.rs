@@ -133,6 +133,9 @@ impl Machine<'_> {
 
     /// G52: a zero beside the work offset's.
     pub(super) fn shift_locally(&mut self, line: Line<'_>, block: &mut Block) {
+        if self.lacks_axes(line, block) {
+            return;
+        }
         for (axis, length) in self.axis_lengths(line, block).into_iter().enumerate() {
             if let Some(mm) = length {
                 self.frames.shift_locally(axis, mm);
@@ -140,8 +143,20 @@ impl Machine<'_> {
         }
     }
 
+    /// Whether a block names no axis, which strict controls refuse where a code needs one.
+    fn lacks_axes(&mut self, line: Line<'_>, block: &Block) -> bool {
+        let lacks = self.control.is_strict && !block.has(&AXES);
+        if lacks {
+            self.refuse(line.refused(Fault::NoAxis));
+        }
+        lacks
+    }
+
     /// G92: the coordinates of where the tool stands.
     pub(super) fn set_place(&mut self, line: Line<'_>, block: &mut Block) {
+        if self.lacks_axes(line, block) {
+            return;
+        }
         let before = self.frames.frame();
         for (axis, length) in self.axis_lengths(line, block).into_iter().enumerate() {
             if let Some(mm) = length {

@@ -181,7 +181,10 @@ impl Machine<'_> {
         if linuxcnc && self.at[n].is_some_and(|height| height < r) {
             self.rapid(line, along(self.at, r));
         }
-        self.rapid(line, At::from([to[0], to[1], to[2]]));
+        // The hole lies where the block says, at the height to which the tool has risen.
+        let mut over = to;
+        over[n] = self.at[n];
+        self.rapid(line, over);
         self.rapid(line, along(self.at, r));
         let clearance = self.control.peck_clearance_mm;
         let mut depth = r;

@@ -7,6 +7,10 @@ use toolpathd_core::toolpath::units::FeedRate;
 
 use super::{AXES, At, Block, Code, Family, Fault, FeedMode, Line, Machine, Meaning, Motion, OFFSETS};
 
+/// A shorter way is none, mm. Sums of coordinates differ by some 1e-12 mm from what they should be, and under
+/// G93 the shortest way takes the whole time of its block.
+const NO_WAY_MM: f64 = 1e-9;
+
 impl Machine<'_> {
     /// Gives the axis words of a block to the code that takes them, or to the motion in force.
     pub(super) fn move_by(&mut self, line: Line<'_>, block: &mut Block, meanings: &[(Code, Meaning)]) {
@@ -46,6 +50,15 @@ impl Machine<'_> {
             return;
         }
         let is_arc = matches!(self.motion, Some(Motion::Arc(_)));
+        let arc = meanings.iter().find(|(_, meaning)| matches!(meaning, Meaning::Motion(Motion::Arc(_))));
+        if let Some((code, _)) = arc
+            && self.control.is_strict
+            && !has_axes
+            && !block.has(&OFFSETS)
+            && !block.has(b"R")
+        {
+            return self.refuse_code(line, *code, Fault::NoCenter);
+        }
         if !has_axes && !(is_arc && (block.has(&OFFSETS) || block.has(b"R"))) {
             return;
         }
@@ -108,6 +121,10 @@ impl Machine<'_> {
     pub(super) fn line(&mut self, line: Line<'_>, to: At) {
         if let Some([start, end]) = self.ends(line, &to) {
             let length = (end - start).norm();
+            if length < NO_WAY_MM {
+                self.rate(line, 0.0);
+                return;
+            }
             if let Some(rate) = self.rate(line, length) {
                 self.cut(line, Curve::Line(Segment { start, end }), rate);
             }
@@ -134,7 +151,7 @@ impl Machine<'_> {
             (mode, Some(feed)) => {
                 let value = match mode {
                     FeedMode::PerMinute => feed,
-                    // A block without a way takes its time nevertheless; it has no feed.
+                    // A block without a way has no feed, and takes no time.
                     FeedMode::InverseTime if length_mm == 0.0 => feed,
                     FeedMode::InverseTime => feed * length_mm,
                     FeedMode::PerTurn => feed * self.speed.unwrap_or(0.0),

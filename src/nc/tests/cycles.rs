@@ -23,6 +23,15 @@ fn each_cycle_makes_its_own_moves() {
 }
 
 #[test]
+fn a_tool_below_r_rises_before_it_crosses_the_part_on_linuxcnc() {
+    // Up from Z-20 to R-5, over X10 at this height, down to Z-30 and back to R.
+    let text = "G21 G90 G94\nG0 X0 Y0 Z-20\nG98 G81 X10 Z-30 R-5 F100\nG80\nM2\n";
+    let reading = reading(&ReadJob { start: [Some(0.0); 3], ..job("linuxcnc", text) });
+    let measures = measures(&reading);
+    close(&[measures.cutting_length_mm, measures.rapid_length_mm], &[25.0, 20.0 + 15.0 + 10.0 + 25.0]);
+}
+
+#[test]
 fn pecking_rapids_down_its_own_hole() {
     // Pecks to -1 and -3, then the bottom at -5: two ways out to R and back to 1 mm above the peck.
     let text = "G21 G90\nG0 X0. Y0. Z10.\nG98 G83 Z-5. R1. Q2. F100.\nM30\n";

@@ -150,3 +150,11 @@ fn tools_are_told_apart() {
     close(&[reading.feeds[0].time_s, reading.feeds[1].time_s], &[10.0, 6.0]);
     assert_eq!(reading.lines, [8, 9, 14]);
 }
+
+#[test]
+fn a_way_of_rounding_errors_takes_no_time_of_a_block() {
+    // 0.1 + 0.2 is not 0.3 in floating point; the block to 0.3 would take 15 s.
+    let text = "G21 G91 G94\nG0 X0 Y0 Z0\nG1 X0.1 F60\nX0.2\nG90 G93 G1 X0.3 F4\nG94 F60\nM2\n";
+    let reading = reading(&ReadJob { start: [Some(0.0); 3], ..job("linuxcnc", text) });
+    close(&[measures(&reading).cutting_time_s.expect("feeds")], &[0.3]);
+}

@@ -38,6 +38,12 @@ fn what_a_control_refuses_is_refused() {
         ("G4", Fault::Missing('P')),
         ("G38.2 Z-5 F100", Fault::NotRead),
         ("G90.1 G2 X10 I5 F100", Fault::Missing('J')),
+        ("G92 F100", Fault::NoAxis),
+        ("G52", Fault::NoAxis),
+        ("G2 F100", Fault::NoCenter),
+        ("M3 M3 S1000", Fault::Conflict),
+        ("M3 M4 S1000", Fault::Conflict),
+        ("G61 I5", Fault::UnusedWord),
     ] {
         assert_eq!(faults("linuxcnc", &framed(words))[0].2, fault, "{words}");
     }

@@ -9,9 +9,9 @@
 //! 3. The rules of the request judge what was decoded.
 //!
 //! # Cost
-//! The time is linear in the size of the body. A body that breaks the contract takes no memory beyond its text,
-//! because no tree of its values is made and it is not decoded. A legal body takes the memory of its request.
-//! Step 1 ends within a millisecond when the budget ends; step 2 ends when the decoder has ended.
+//! The time is linear in the size of the body. A body that breaks the contract takes no memory beyond its
+//! text, because no tree of its values is made and it is not decoded. A legal body takes the memory of its
+//! request. Step 1 ends within a millisecond when the budget ends; step 2 ends when the decoder has ended.
 
 pub mod check;
 mod contract;

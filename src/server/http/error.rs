@@ -24,7 +24,7 @@ pub const PROBLEM_JSON: &str = "application/problem+json";
 pub const MAX_ERRORS: usize = 100;
 
 /// Most characters of a detail. A detail may quote a text of the caller, which may have any length.
-const MAX_DETAIL_CHARACTERS: usize = 500;
+pub const MAX_DETAIL_CHARACTERS: usize = 500;
 
 /// Most seconds after which a refused caller is told to try again.
 const LONGEST_RETRY_S: f64 = 60.0;

@@ -30,6 +30,9 @@ const SMALLEST_SHARE: f64 = 0.1;
 const PARTS: usize = 40_000;
 const PARTS_EACH: f64 = 20.0;
 
+/// The most squares that count. A part of no width has passes at no distance, and squares without end.
+const MOST_SQUARES: f64 = 1e6;
+
 /// The share of the asked height by which passes may deviate: what they leave varies by as much.
 const DEVIATION_SHARE: f64 = 0.25;
 
@@ -85,7 +88,7 @@ impl<P: Patch> Material<'_, P> {
             target_mm: asked(job),
             grain_mm: stepover_mm,
             smallest_mm: SMALLEST_SHARE * gap_mm,
-            part_limit: PARTS + (PARTS_EACH * length / stepover_mm) as usize,
+            part_limit: PARTS + (PARTS_EACH * (length / stepover_mm).min(MOST_SQUARES)) as usize,
         };
         Ok(uncut::left(self.part, &swept, &self.positions, wanted, budget)?)
     }

@@ -1,8 +1,8 @@
 //! The memory that bodies take while they are decoded.
 //!
-//! A body takes several times its bytes while it is decoded. Many workers that decode large bodies at the same
-//! time could fill the memory before the first of them notices. So each takes its place before it begins, and
-//! waits while there is none.
+//! A body takes several times its bytes while it is decoded. Many workers that decode large bodies at the
+//! same time could fill the memory before the first of them notices. So each takes its share of a room of
+//! bytes before it begins, and waits until there is enough.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -29,12 +29,12 @@ impl Room {
         self.free.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for a place of `bytes`, and takes it. A decoding that needs more than the whole room takes the
+    /// Waits until `bytes` are free, and takes them. A decoding that needs more than the whole room takes the
     /// whole room. Blocks the thread, so it belongs on a thread that computes.
     ///
     /// # Errors
-    /// The reason when the budget ends before there is a place.
-    pub fn place(self: &Arc<Self>, bytes: usize, budget: &Budget) -> Result<Place, Stopped> {
+    /// The reason when the budget ends before there is enough.
+    pub fn take(self: &Arc<Self>, bytes: usize, budget: &Budget) -> Result<Share, Stopped> {
         let bytes = bytes.min(self.all);
         let mut free = self.free();
         while *free < bytes {
@@ -43,18 +43,18 @@ impl Room {
             free = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
         *free -= bytes;
-        Ok(Place { room: Arc::clone(self), bytes })
+        Ok(Share { room: Arc::clone(self), bytes })
     }
 }
 
-/// The place of one decoding. Dropping it gives the place back.
+/// The share of one decoding. Dropping it gives the share back.
 #[derive(Debug)]
-pub struct Place {
+pub struct Share {
     room: Arc<Room>,
     bytes: usize,
 }
 
-impl Drop for Place {
+impl Drop for Share {
     fn drop(&mut self) {
         *self.room.free() += self.bytes;
         self.room.freed.notify_all();
@@ -68,15 +68,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_decoding_waits_until_another_has_given_its_place_back() {
+    fn a_decoding_waits_until_another_has_given_its_share_back() {
         let room = Room::new(100);
-        let first = room.place(60, &Budget::unlimited()).expect("a place");
+        let first = room.take(60, &Budget::unlimited()).expect("a share");
         let budget = Budget::unlimited();
         let second = thread::spawn({
             let (room, budget) = (Arc::clone(&room), budget.clone());
-            move || room.place(60, &budget).map(|place| place.bytes)
+            move || room.take(60, &budget).map(|share| share.bytes)
         });
-        drop(room.place(40, &Budget::unlimited()).expect("the rest of the room"));
+        drop(room.take(40, &Budget::unlimited()).expect("the rest of the room"));
         assert!(!second.is_finished());
         drop(first);
         assert_eq!(second.join().expect("no panic"), Ok(60));
@@ -86,9 +86,9 @@ mod tests {
     #[test]
     fn the_wait_ends_with_the_budget() {
         let room = Room::new(100);
-        let _all = room.place(1_000, &Budget::unlimited()).expect("the whole room");
+        let _all = room.take(1_000, &Budget::unlimited()).expect("the whole room");
         let budget = Budget::unlimited();
         budget.cancel();
-        assert_eq!(room.place(1, &budget).map(|place| place.bytes), Err(Stopped::Cancelled));
+        assert_eq!(room.take(1, &budget).map(|share| share.bytes), Err(Stopped::Cancelled));
     }
 }

@@ -1,15 +1,15 @@
 //! Finds all violations of a body, by the schema of its request.
 //!
 //! # Method
-//! One pass reads the text of the body with the schema at its side. The schema is the schema that the
+//! One walk over the text of the body reads it with the schema at its side. The schema is the schema that the
 //! contract publishes, so a violation is found exactly where the body breaks the contract.
 //!
-//! A further pass writes the body as the decoder needs it, where the decoder refuses a body without a
+//! A further walk writes the body as the decoder needs it, where the decoder refuses a body without a
 //! violation: a member that is `null` is left out, and a whole number with a decimal point, such as `12.0`,
 //! becomes an integer where the schema says so.
 //!
 //! # Guarantees
-//! * If the decoder refuses what a pass has written, the pass has found a violation.
+//! * If the decoder refuses what a walk has written, the walk has found a violation.
 //! * Memory besides the written text is bounded by the depth of the contract and by the number of violations
 //!   that are listed, whatever the size of the body.
 //! * Every object is closed: a member that the schema does not name is a violation, even a member that is
@@ -24,7 +24,7 @@
 //! exclude each other, and the languages of texts.
 
 mod outline;
-mod pass;
+mod walk;
 mod written;
 
 use std::any::TypeId;
@@ -38,8 +38,8 @@ use utoipa::{Number as Bound, ToSchema};
 use super::check::{Range, Violations};
 use super::json::Unread;
 use super::words;
-use pass::Pass;
 use toolpathd_core::budget::Budget;
+use walk::Walk;
 use written::Written;
 
 /// Most elements of an array whose length belongs to its type: a point, or a row of a Bezier patch. The
@@ -68,9 +68,9 @@ impl Contract {
     /// Finds all violations of the body with this text.
     ///
     /// # Errors
-    /// When `text` is not JSON, or `budget` stops the pass.
+    /// When `text` is not JSON, or `budget` stops the walk.
     pub fn check(&self, text: &str, budget: &Budget) -> Result<Checked, Unread> {
-        Pass::new(self, Written::forgotten(), budget).over(text).map(|(checked, _)| checked)
+        Walk::new(self, Written::forgotten(), budget).over(text).map(|(checked, _)| checked)
     }
 
     /// Writes the body with this text as the decoder needs it.
@@ -78,7 +78,7 @@ impl Contract {
     /// # Errors
     /// As [`Self::check`].
     pub fn written(&self, text: &str, budget: &Budget) -> Result<String, Unread> {
-        Pass::new(self, Written::kept(), budget).over(text).map(|(_, written)| written.text())
+        Walk::new(self, Written::kept(), budget).over(text).map(|(_, written)| written.text())
     }
 
     /// The schema that `schema` refers to, and its name. Where the schema allows `null` besides another
@@ -160,7 +160,7 @@ impl Contract {
     }
 }
 
-/// What a pass has found.
+/// What a walk has found.
 pub struct Checked {
     pub violations: Violations,
     /// Whether there is a violation that the decoder refuses. The rules of the request judge the others.

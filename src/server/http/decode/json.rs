@@ -1,4 +1,6 @@
-//! Reads any JSON, and tells what is wrong with a body that is not JSON, in memory that does not grow with the body.
+//! Reads any JSON, and tells what is wrong with a body that is not JSON.
+//!
+//! The memory does not grow with the body.
 
 use std::borrow::Cow;
 use std::collections::HashSet;

@@ -1,4 +1,4 @@
-//! The way from a body to one of its values, while a pass goes over the body.
+//! The way from a body to one of its values, while the body is read.
 
 use crate::http::pointer::Pointer;
 

@@ -25,7 +25,7 @@ impl<'a> Patience<'a> {
     /// An error that ends the reading when the budget has ended. [`Self::result`] then tells why.
     pub fn spend<E: Error>(&mut self) -> Result<(), E> {
         self.values += 1;
-        if self.values % VALUES == 0 {
+        if self.values.is_multiple_of(VALUES) {
             self.stopped = self.budget.check().err();
             if self.stopped.is_some() {
                 return Err(E::custom("the reading was stopped"));

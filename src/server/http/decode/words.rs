@@ -5,9 +5,16 @@ use std::fmt::Display;
 use serde_json::Value;
 use utoipa::openapi::schema::Object;
 
+use crate::http::error::MAX_DETAIL_CHARACTERS;
+
+/// As much of a text as a sentence may show. A text may be as long as a body.
+fn beginning(text: &str) -> &str {
+    text.char_indices().nth(MAX_DETAIL_CHARACTERS).map_or(text, |(end, _)| &text[..end])
+}
+
 /// The sentence about a name that is not in `names`.
 pub fn unknown(name: &str, names: &[&str]) -> String {
-    format!("`{name}` is unknown; use {}", one_of(names))
+    format!("`{}` is unknown; use {}", beginning(name), one_of(names))
 }
 
 /// The names that a text with the schema `object` may be.
@@ -28,7 +35,7 @@ pub fn unknown_member(name: &str, known: &[&str]) -> String {
     } else {
         format!("the members `{}`", known.join("`, `"))
     };
-    format!("`{name}` is unknown; this object has {known}")
+    format!("`{}` is unknown; this object has {known}", beginning(name))
 }
 
 /// The sentence about a number outside its range.
@@ -44,7 +51,7 @@ pub fn too_long(characters: usize, most: usize) -> String {
 /// The sentence about a value of the wrong type.
 pub fn wrong(expected: &str, value: &Value) -> String {
     let sent = match value {
-        Value::String(text) => format!("the text {text:?}"),
+        Value::String(text) => format!("the text {:?}", beginning(text)),
         Value::Array(_) => "an array".to_owned(),
         Value::Object(_) => "an object".to_owned(),
         Value::Null | Value::Bool(_) | Value::Number(_) => format!("`{value}`"),

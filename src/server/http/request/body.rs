@@ -111,8 +111,8 @@ impl<T: IntoJob> JobBody<T> {
         (text.len() <= SHORT_BYTES).then(|| (self.make)(&text, limits, budget))
     }
 
-    /// Decodes the body as a `T` and checks it, when there is a place for it in `room`. Belongs on a thread
-    /// that computes, because it takes time.
+    /// Decodes the body as a `T` and checks it, when there is enough of `room`. Belongs on a thread that
+    /// computes, because it takes time.
     ///
     /// # Errors
     /// `malformed_json` or `invalid_request`; for a body in gzip also `bad_request`, `payload_too_large` and
@@ -123,7 +123,7 @@ impl<T: IntoJob> JobBody<T> {
         room: &Arc<Room>,
         budget: &Budget,
     ) -> Result<SentJob<T::Job>, ApiError> {
-        let _place = room.place(self.body.most_bytes().saturating_mul(BYTES_FOR_EACH), budget)?;
+        let _share = room.take(self.body.most_bytes().saturating_mul(BYTES_FOR_EACH), budget)?;
         (self.make)(&self.body.decoded()?.bytes, limits, budget)
     }
 

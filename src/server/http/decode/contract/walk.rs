@@ -1,4 +1,4 @@
-//! The pass over the text of one body.
+//! The walk over the text of one body.
 
 use std::fmt;
 
@@ -39,8 +39,8 @@ const REFUSED: [FieldCode; 5] = [
     FieldCode::Unsupported,
 ];
 
-/// The pass over the text of one body.
-pub struct Pass<'c> {
+/// The walk over the text of one body.
+pub struct Walk<'c> {
     contract: &'c Contract,
     violations: Violations,
     is_refused: bool,
@@ -48,19 +48,19 @@ pub struct Pass<'c> {
     patience: Patience<'c>,
 }
 
-impl<'c> Pass<'c> {
-    /// A pass that writes the body where `written` keeps what is written.
+impl<'c> Walk<'c> {
+    /// A walk that writes the body where `written` keeps what is written.
     pub fn new(contract: &'c Contract, written: Written, budget: &'c Budget) -> Self {
         let (violations, patience) = (Violations::default(), Patience::new(budget));
         Self { contract, violations, is_refused: false, written, patience }
     }
 
     /// # Errors
-    /// When `text` is not JSON, or the budget stops the pass.
+    /// When `text` is not JSON, or the budget stops the walk.
     pub fn over(mut self, text: &str) -> Result<(Checked, Written), Unread> {
         let asked = self.contract.asked(&self.contract.request);
         let mut reader = serde_json::Deserializer::from_str(text);
-        let check = ValueCheck { pass: &mut self, at: &Path::Body, asked, is_member: false };
+        let check = ValueCheck { walk: &mut self, at: &Path::Body, asked, is_member: false };
         let read = check.deserialize(&mut reader).and_then(|_| reader.end());
         self.patience.result().map_err(Unread::Stopped)?;
         read.map_err(|_| Unread::NotJson)?;
@@ -156,7 +156,7 @@ impl<'c> Pass<'c> {
             let mark = self.written.mark();
             self.written.separate(first);
             let element = Path::Element(at, count);
-            let check = ValueCheck { pass: &mut *self, at: &element, asked, is_member: false };
+            let check = ValueCheck { walk: &mut *self, at: &element, asked, is_member: false };
             if sent.next_element_seed(check)?.is_none() {
                 self.written.back_to(mark);
                 break;
@@ -202,7 +202,7 @@ impl<'c> Pass<'c> {
                 continue;
             };
             let asked = contract.asked(schema);
-            let check = ValueCheck { pass: &mut *self, at: &member, asked, is_member: true };
+            let check = ValueCheck { walk: &mut *self, at: &member, asked, is_member: true };
             match sent.next_value_seed(check)? {
                 Sent::Absent => self.written.back_to(mark),
                 Sent::Value => found.extend(object.required.iter().find(|required| **required == *name)),
@@ -233,7 +233,7 @@ impl<'c> Pass<'c> {
                 Some(target) => {
                     let asked = Asked { usual: self.contract.at(target), choices: &[] };
                     let mut reader = serde_json::Deserializer::from_str(sent.get());
-                    let check = ValueCheck { pass: self, at, asked, is_member: false };
+                    let check = ValueCheck { walk: self, at, asked, is_member: false };
                     return check.deserialize(&mut reader).map(|_| ());
                 }
                 None if name == PLANNED.0 && PLANNED.1.contains(&kind.as_str()) => {
@@ -252,7 +252,7 @@ impl<'c> Pass<'c> {
     }
 }
 
-/// What the pass has met at a place.
+/// What the walk has met at a place.
 enum Sent {
     /// A `null` that stands for an absent member.
     Absent,
@@ -261,7 +261,7 @@ enum Sent {
 
 /// Checks the value at a place.
 struct ValueCheck<'p, 'c> {
-    pass: &'p mut Pass<'c>,
+    walk: &'p mut Walk<'c>,
     at: &'p Path<'p>,
     asked: Asked<'c>,
     /// Whether the value belongs to a member, which counts as absent where the value is `null`.
@@ -276,7 +276,7 @@ impl ValueCheck<'_, '_> {
             Some((_, Schema::Object(object))) => {
                 matches!(object.schema_type, SchemaType::Type(Type::Number))
                     && self.asked.choices.is_empty()
-                    && !self.pass.written.is_kept()
+                    && !self.walk.written.is_kept()
                     && range(object).holds(number)
             }
             _ => false,
@@ -287,7 +287,7 @@ impl ValueCheck<'_, '_> {
         if self.is_member && sent.is_null() {
             return Ok(Sent::Absent);
         }
-        self.pass.scalar(self.at, self.asked, sent);
+        self.walk.scalar(self.at, self.asked, sent);
         Ok(Sent::Value)
     }
 }
@@ -296,17 +296,17 @@ impl<'de> DeserializeSeed<'de> for ValueCheck<'_, '_> {
     type Value = Sent;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Sent, D::Error> {
-        self.pass.patience.spend()?;
+        self.walk.patience.spend()?;
         let Some((name, Schema::OneOf(OneOf { discriminator: Some(kinds), .. }))) = self.asked.usual else {
             return deserializer.deserialize_any(self);
         };
         let sent = <&RawValue>::deserialize(deserializer)?;
         match outline(sent)? {
-            Value::Object(_) => self.pass.union(self.at, name, kinds, sent).map_err(D::Error::custom)?,
+            Value::Object(_) => self.walk.union(self.at, name, kinds, sent).map_err(D::Error::custom)?,
             array @ Value::Array(_) => {
-                self.pass.unfit(self.at, self.asked, &array);
+                self.walk.unfit(self.at, self.asked, &array);
                 let mut reader = serde_json::Deserializer::from_str(sent.get());
-                Unchecked(self.pass).deserialize(&mut reader).map_err(D::Error::custom)?;
+                Unchecked(self.walk).deserialize(&mut reader).map_err(D::Error::custom)?;
             }
             scalar => return self.scalar(&scalar),
         }
@@ -347,21 +347,21 @@ impl<'de> Visitor<'de> for ValueCheck<'_, '_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut sent: A) -> Result<Sent, A::Error> {
         if let Some((_, Schema::Array(array))) = self.asked.usual {
-            self.pass.elements(self.at, array, sent)?;
+            self.walk.elements(self.at, array, sent)?;
             return Ok(Sent::Value);
         }
-        self.pass.unfit(self.at, self.asked, &Value::Array(Vec::new()));
-        self.pass.written.push("[");
-        let first = self.pass.written.mark();
+        self.walk.unfit(self.at, self.asked, &Value::Array(Vec::new()));
+        self.walk.written.push("[");
+        let first = self.walk.written.mark();
         loop {
-            let mark = self.pass.written.mark();
-            self.pass.written.separate(first);
-            if sent.next_element_seed(Unchecked(self.pass))?.is_none() {
-                self.pass.written.back_to(mark);
+            let mark = self.walk.written.mark();
+            self.walk.written.separate(first);
+            if sent.next_element_seed(Unchecked(self.walk))?.is_none() {
+                self.walk.written.back_to(mark);
                 break;
             }
         }
-        self.pass.written.push("]");
+        self.walk.written.push("]");
         Ok(Sent::Value)
     }
 
@@ -369,37 +369,37 @@ impl<'de> Visitor<'de> for ValueCheck<'_, '_> {
         if let Some((_, Schema::Object(object))) = self.asked.usual
             && type_of(&object.schema_type) == Type::Object
         {
-            self.pass.members(self.at, object, sent)?;
+            self.walk.members(self.at, object, sent)?;
             return Ok(Sent::Value);
         }
-        self.pass.unfit(self.at, self.asked, &Value::Object(Map::new()));
-        self.pass.written.push("{");
-        let first = self.pass.written.mark();
+        self.walk.unfit(self.at, self.asked, &Value::Object(Map::new()));
+        self.walk.written.push("{");
+        let first = self.walk.written.mark();
         let mut names = Names::default();
         while let Some(name) = sent.next_key_seed(Name)? {
-            self.pass.written.separate(first);
-            self.pass.written.name(&name);
-            sent.next_value_seed(Unchecked(self.pass))?;
+            self.walk.written.separate(first);
+            self.walk.written.name(&name);
+            sent.next_value_seed(Unchecked(self.walk))?;
             names.add(name)?;
         }
-        self.pass.written.push("}");
+        self.walk.written.push("}");
         Ok(Sent::Value)
     }
 }
 
 /// Reads a value to which no schema applies, and writes the value as it was sent.
-struct Unchecked<'p, 'c>(&'p mut Pass<'c>);
+struct Unchecked<'p, 'c>(&'p mut Walk<'c>);
 
 impl<'de> DeserializeSeed<'de> for Unchecked<'_, '_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        let Self(pass) = self;
-        pass.patience.spend()?;
-        if !pass.written.is_kept() {
-            return AnyValue(&mut pass.patience).deserialize(deserializer);
+        let Self(walk) = self;
+        walk.patience.spend()?;
+        if !walk.written.is_kept() {
+            return AnyValue(&mut walk.patience).deserialize(deserializer);
         }
-        pass.written.push(<&RawValue>::deserialize(deserializer)?.get());
+        walk.written.push(<&RawValue>::deserialize(deserializer)?.get());
         Ok(())
     }
 }

@@ -32,7 +32,7 @@ pub fn program(seed: u64) -> String {
     for k in 0..12 {
         block(&mut text, &mut at, &mut numbers, k);
     }
-    text += if seed % 2 == 0 { "M2\n" } else { "M30\n" };
+    text += if seed.is_multiple_of(2) { "M2\n" } else { "M30\n" };
     text
 }
 

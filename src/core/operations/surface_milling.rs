@@ -16,8 +16,10 @@
 //! * `deviation_max_mm` bounds the distance of the passes from the exact CL curves, both ways and in order:
 //!   each place of a pass is compared with the CL curve at its own place along the pass.
 //! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move.
-//! * `scallop_max_mm` and `rest_max_mm` bound how far any point of the part is from what the passes remove:
-//!   the first where the cutter can reach, the second where it cannot ([`uncut`](crate::machining::uncut)).
+//! * No point of the part is farther from the material that the passes remove than the larger of
+//!   `scallop_max_mm` and `rest_max_mm` ([`uncut`](crate::machining::uncut)). The first counts places that
+//!   the cutter can reach, the second all others. A place of the size of a stepover counts as a whole. With
+//!   an allowance both are estimates.
 //!
 //! The bounds hold for the path as computed and as the program states it. A path is
 //! refused if its bound of the deviation exceeds the tolerance. The allowance is a layer of material that has
@@ -96,18 +98,20 @@ pub struct Report {
     /// may be above 0 nevertheless, because it is a bound.
     #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
     pub gouge_at: Option<Point3<f64>>,
-    /// Proved largest distance, in mm, from the finished surface to the material that the passes remove, at
-    /// places that the cutter can reach. This is the height of the scallops, or of what stays where no pass
-    /// leads. With an allowance, the distance counts from the top of the layer that stays. `null` with
-    /// `wire_union`.
+    /// Largest distance, in mm, from the finished surface to the material that the passes remove, at places
+    /// that the cutter can reach. This is the height of the scallops, or of what stays where no pass leads.
+    /// It is proved that no place has more left than the larger of `scallop_max_mm` and `rest_max_mm`. A
+    /// place that the cutter can reach may count as rest within a stepover of a place that the cutter cannot
+    /// reach. With an allowance, the distance counts from the top of the layer that stays, and is an
+    /// estimate. `null` with `wire_union`.
     pub scallop_max_mm: Option<f64>,
     /// Where `scallop_max_mm` was found, in mm. `null` where nothing was found.
     #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
     pub scallop_at: Option<Point3<f64>>,
-    /// Proved largest distance, in mm, from the finished surface to the material that the passes remove, at
-    /// places that the cutter cannot reach: the depth of what stays in corners, grooves and valleys narrower
-    /// than the cutter, and beside the outline with `boundary: inside`. Rest much thinner than
-    /// `scallop_max_mm` counts as scallop. `null` with `wire_union`.
+    /// Largest distance, in mm, from the finished surface to the material that the passes remove, at places
+    /// that the cutter cannot reach, proved as `scallop_max_mm` is: the depth of what stays in corners,
+    /// grooves and valleys narrower than the cutter, and beside the outline with `boundary: inside`. Rest
+    /// much thinner than `scallop_max_mm` counts as scallop. `null` with `wire_union`.
     pub rest_max_mm: Option<f64>,
     /// Where `rest_max_mm` was found, in mm. `null` where there is no rest.
     #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]

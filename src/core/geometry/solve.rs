@@ -37,7 +37,13 @@ const STEPS: usize = 60;
 
 /// The root in `range` of a function that falls, to rounding. Without a root, the end of the range that is
 /// nearest to it. The method is regula falsi, in the Illinois variant.
-pub fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
+pub fn falling_root(range: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
+    highest_place(range, 0.0, f)
+}
+
+/// A place in `range` at which a function with the falling derivative `f` is largest, or smaller than there by
+/// at most `accuracy`.
+pub fn highest_place([mut low, mut high]: [f64; 2], accuracy: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut above, mut below) = (f(low), f(high));
     if above <= 0.0 {
         return low;
@@ -52,7 +58,7 @@ pub fn falling_root([mut low, mut high]: [f64; 2], f: impl Fn(f64) -> f64) -> f6
             break;
         }
         let value = f(trial);
-        if value == 0.0 {
+        if value.abs() * (high - low) <= accuracy {
             return trial;
         }
         // The value at the end that stays is halved, so that both ends move.

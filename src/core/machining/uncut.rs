@@ -12,13 +12,15 @@
 //! 1. Cut the passes into lines and into arcs of at most a quarter turn. Put them into a tree of boxes.
 //! 2. For a part of a patch, find the piece that is nearest to the part's centre. Bound from above the
 //!    distance of every point of the part from the solid that the cutter sweeps along this piece (`bound`).
-//!    For a ball, the squared distance from a line or a circle has Bernstein coefficients. For any other
-//!    cutter, the distance from a convex solid is largest at a control point of the part.
+//!    For a ball, the squared distance from a line or a circle has Bernstein coefficients. For any cutter,
+//!    the distance from a convex solid is largest at a control point of the part. A part on a ridge between
+//!    two passes has a bound by a mean of the distances from both.
 //! 3. Halve the part with the largest bound, along the parameter in which the bounds of the halves fall more.
 //!    Stop when the bound exceeds the largest distance found at a point by at most the gap that is asked for.
 //!    The search begins with the largest distance of some hundred places.
 //! 4. Where more is left than at any reached place, try whether the cutter reaches the part's centre. A part
-//!    whose centre is not reached belongs to the rest.
+//!    belongs to the rest if neither its centre nor one of its corners is reached. If only a corner is, the
+//!    part is halved further; a very small one belongs to the rest.
 //!
 //! # Guarantees
 //! * No point of the surface has more left than the larger of the two bounds of [`Left`]: the parts cover the
@@ -76,7 +78,7 @@ pub struct Wanted {
     /// A bound need not be below this, mm, if the largest distance found is not above it and the gap is
     /// smaller.
     pub target_mm: Option<f64>,
-    /// Parts of this size or smaller are reached as a whole, or not at all, mm.
+    /// Parts of this size or smaller are tried for being reached, mm.
     pub grain_mm: f64,
     /// Parts of this size or smaller are not halved, mm.
     pub smallest_mm: f64,

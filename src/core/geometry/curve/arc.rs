@@ -186,13 +186,15 @@ impl Arc {
 
     /// Vectors along the arc at its start and its end.
     pub fn tangents(&self) -> [Vector3<f64>; 2] {
+        [self.start, self.end].map(|p| self.tangent_in(&p))
+    }
+
+    /// A vector along the arc at one of its points.
+    pub fn tangent_in(&self, point: &Point3<f64>) -> Vector3<f64> {
         let sense = if self.direction == Direction::Ccw { 1.0 } else { -1.0 };
-        let center = self.plane.to_local(&self.center);
-        [self.start, self.end].map(|p| {
-            let spoke = self.plane.to_local(&p) - center;
-            let local = Vector3::new(-spoke.y * sense, spoke.x * sense, self.rise() / self.sweep);
-            self.plane.to_workpiece(&local).coords
-        })
+        let spoke = self.plane.to_local(point) - self.plane.to_local(&self.center);
+        let local = Vector3::new(-spoke.y * sense, spoke.x * sense, self.rise() / self.sweep);
+        self.plane.to_workpiece(&local).coords
     }
 
     /// The point at the fraction `t` of the length. The ends are returned exactly.

@@ -102,6 +102,14 @@ impl PieceCurve {
             PieceCurve::Arc(arc) => arc.end().coords,
         }
     }
+
+    /// The point at a fraction of the length.
+    pub(in crate::machining) fn point_at(&self, t: f64) -> Vector3<f64> {
+        match self {
+            PieceCurve::Line(line) => line.point_at(t).coords,
+            PieceCurve::Arc(arc) => arc.point_at(t).coords,
+        }
+    }
 }
 
 impl PathPiece {

@@ -14,6 +14,12 @@ const ROUNDING: f64 = 1e-13;
 /// Rounding of a squared distance, as a share of its largest term.
 const SQUARE_ROUNDING: f64 = 1e-13;
 
+/// The most control points of a patch.
+const MOST_POINTS: usize = 64;
+
+/// Steps in the search for the weight of two distances.
+const HALVINGS: usize = 8;
+
 /// Largest number of pieces before and after the nearest one that one bound takes together.
 const CHAIN: usize = 3;
 
@@ -51,7 +57,21 @@ impl Swept {
                 return bound.max(0.0);
             }
         }
-        bound.min(self.by_hull(part, &piece.path) + more).max(0.0)
+        bound = bound.min(self.by_hull(part, &piece.path) + more);
+        if bound > enough
+            && let Some(other) = self.other(part, nearest)
+        {
+            bound = bound.min(self.by_two(part, [&piece.path, &self.pieces[other].path]) + more);
+        }
+        bound.max(0.0)
+    }
+
+    /// The piece that is nearest to the corner of the part that is farthest from `piece`, if it is another.
+    fn other(&self, part: &impl Patch, piece: usize) -> Option<usize> {
+        let path = &self.pieces[piece].path;
+        let corners = part.corners().map(|corner| (self.distance(path, &corner), corner));
+        let (_, farthest) = corners.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        self.nearest(&farthest, Some(piece)).map(|near| near.piece).filter(|other| *other != piece)
     }
 
     /// An upper bound of the squared distance from the path of a ball's centre, mm^2. The search for a better
@@ -97,33 +117,43 @@ impl Swept {
 
     /// A bound by the control points of the part: the distance from a convex solid is a convex function, so
     /// its largest value is at a control point.
+    fn by_hull(&self, part: &impl Patch, path: &PathPiece) -> f64 {
+        let (path, more) = self.convex(part, path);
+        part.control_points().map(|p| self.distance(&path, &p)).fold(f64::NEG_INFINITY, f64::max) + more
+    }
+
+    /// A bound by two pieces with a ridge between them. Each point is as near to one of the pieces as any mean
+    /// of its two distances. A mean is a convex function, and where its weight fits, it hardly varies across
+    /// the ridge.
+    fn by_two(&self, part: &impl Patch, paths: [&PathPiece; 2]) -> f64 {
+        let [(a, more_a), (b, more_b)] = paths.map(|path| self.convex(part, path));
+        let mut at = [[0.0; 2]; MOST_POINTS];
+        let mut n = 0;
+        for p in part.control_points() {
+            at[n] = [self.distance(&a, &p) + more_a, self.distance(&b, &p) + more_b];
+            n += 1;
+        }
+        least_mean(&at[..n])
+    }
+
+    /// A convex solid about a piece, as far as the part is concerned: a piece, and by how much the distance
+    /// from what is swept along it may be less than that from `path`, mm.
     ///
     /// The solid swept along a line is convex. So is the solid above an arc that bends up like a valley. Any
     /// other arc is replaced by the chord under the part, and the height of the chord is added.
-    fn by_hull(&self, part: &impl Patch, path: &PathPiece) -> f64 {
-        let (path, height) = match &path.track {
-            PieceCurve::Line(_) => (*path, 0.0),
-            PieceCurve::Arc(arc) if is_valley(arc) => (*path, 0.0),
-            PieceCurve::Arc(arc) => {
+    fn convex(&self, part: &impl Patch, path: &PathPiece) -> (PathPiece, f64) {
+        match &path.track {
+            PieceCurve::Arc(arc) if !is_valley(arc) => {
                 let (chord, height) = self.chord_under(part, path, arc);
-                (PathPiece { track: PieceCurve::Line(chord), slack: path.slack }, height)
+                (PathPiece { track: PieceCurve::Line(chord), slack: path.slack }, height + path.slack)
             }
-        };
-        let farthest = part.control_points().map(|p| self.distance(&path, &p));
-        farthest.fold(f64::NEG_INFINITY, f64::max) + height + path.slack
+            _ => (*path, path.slack),
+        }
     }
 
     /// The chord of the stretch of an arc that is nearest to the part, and its height, mm.
     fn chord_under(&self, part: &impl Patch, path: &PathPiece, arc: &Arc) -> (Line, f64) {
-        let plane = arc.plane();
-        let center = plane.to_local(&arc.center());
-        let fraction = |p: &Vector3<f64>| {
-            let near = plane.to_local(&path.nearest(p, self.solid.flat).into()) - center;
-            let at_end = (path.nearest(p, self.solid.flat) - path.track.end()).norm();
-            let at_start = (path.nearest(p, self.solid.flat) - path.track.start()).norm();
-            arc.fraction_of_angle(near.y.atan2(near.x)).unwrap_or(if at_end < at_start { 1.0 } else { 0.0 })
-        };
-        let feet = part.corners().map(|p| fraction(&p));
+        let feet = part.corners().map(|p| self.nearest_fraction(path, &p));
         let low = feet.iter().copied().fold(1.0, f64::min);
         let high = feet.iter().copied().fold(0.0, f64::max);
         let wider = WIDENED * (high - low);
@@ -146,6 +176,23 @@ impl ToTrack {
         }
         beyond * beyond * self.ratio * 2.0 / (1.0 + (1.0 - share * share).sqrt())
     }
+}
+
+/// The least value over w in 0..=1 of the largest w a + (1 - w) b over the pairs [a, b], or little more.
+fn least_mean(pairs: &[[f64; 2]]) -> f64 {
+    let largest = |w: f64| pairs.iter().map(|[a, b]| w * a + (1.0 - w) * b).fold(f64::NEG_INFINITY, f64::max);
+    // The largest of linear functions is convex: the side of its least value on which w lies is that to which
+    // the steepest of the largest ones falls.
+    let [mut low, mut high] = [0.0, 1.0];
+    let mut least = f64::INFINITY;
+    for _ in 0..HALVINGS {
+        let w = 0.5 * (low + high);
+        let top = largest(w);
+        least = least.min(top);
+        let rises = pairs.iter().any(|[a, b]| w * a + (1.0 - w) * b >= top && a > b);
+        if rises { high = w } else { low = w }
+    }
+    least
 }
 
 /// `None` where a part comes near the axis of an arc, or lies beyond it.

@@ -35,6 +35,9 @@ const LONGEST: f64 = 100.0;
 /// Stands for a bound that is infinite where bounds are added, mm: above any distance within a part.
 const UNBOUNDED_MM: f64 = 1e9;
 
+/// Parts of which only a corner is reached are halved down to this share of the grain.
+const BORDER_SHARE: f64 = 1.0 / 32.0;
+
 /// Most halvings of one part on the way to its smallest halves.
 const DEPTH: u32 = 48;
 
@@ -135,6 +138,28 @@ impl<R: Reach> Search<'_, R> {
         self.reach.is_reached(&place.jet.point, &normal, place.distance, self.budget)
     }
 
+    /// Whether the cutter reaches a corner of a part, or leaves no more than `enough` mm there. What is left
+    /// at such corners is put into `found`. `piece` is near.
+    fn finds_corner(
+        &self,
+        part: &impl Patch,
+        piece: usize,
+        enough: f64,
+        found: &mut Leftover,
+    ) -> Result<bool, Stopped> {
+        let mut is_reached = false;
+        for [u, v] in [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]] {
+            let jet = part.jet(u, v);
+            let Some(near) = self.nearest(&jet.point.coords, Some(piece)) else { continue };
+            let place = LeftAt { distance: self.over_allowance(near.distance, || jet), jet };
+            if place.distance <= enough || self.is_reached(&place)? {
+                found.find(&place);
+                is_reached = true;
+            }
+        }
+        Ok(is_reached)
+    }
+
     /// The largest distances over one block, or smaller ones than are known.
     fn block<P: Patch>(&self, block: P, known: Left, limit: usize) -> Result<Left, Stopped> {
         let mut left = Left { reached: known.reached.without_bound(), rest: known.rest.without_bound() };
@@ -200,7 +225,8 @@ impl<R: Reach> Search<'_, R> {
             if self.is_reached(&place)? {
                 left.reached.find(&place);
             } else {
-                is_rest = true;
+                is_rest = size <= BORDER_SHARE * self.wanted.grain_mm
+                    || !self.finds_corner(&part, near.piece, enough, &mut left.reached)?;
             }
         }
         let (kind, gap_share) = if is_rest {

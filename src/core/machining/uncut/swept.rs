@@ -1,9 +1,10 @@
 //! The solid that a cutter sweeps while it follows passes, with a search for the nearest piece of the passes.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use crate::geometry::bounding_tree::{BoundingTree, Visitor};
 use crate::geometry::curve::Curve;
+use crate::geometry::solve::highest_place;
 use crate::geometry::surface::patch::Bounds;
 use crate::machining::cutter::Cutter;
 use crate::machining::gouge::piece::{PathPiece, PieceCurve, pieces};
@@ -17,6 +18,9 @@ const JOINED_MM: f64 = 1e-9;
 
 /// Sine of the largest angle between joined pieces. At a sharper corner the pieces are bounded one by one.
 const SHARPEST: f64 = 0.3;
+
+/// How much nearer the nearest place of a piece may be than the one that is found, mm.
+const PLACE_ACCURACY_MM: f64 = 1e-7;
 
 /// One piece of the path of the cutter's point C (`gouge::solid`).
 #[derive(Debug, Clone, Copy)]
@@ -89,18 +93,36 @@ impl Swept {
         search.best.map(|near| Nearest { distance: near.distance.max(0.0), ..near })
     }
 
-    /// A bound of the distance of `p` from the solid swept along one piece, mm: the distance from the cutter
-    /// at the place of the piece that is nearest or almost nearest. Negative inside.
+    /// The distance of `p` from the solid swept along one piece, mm, negative inside. For an arc that does
+    /// not bend up like a valley it is a bound: a place of the piece may be nearer than the one that is found.
     pub(super) fn distance(&self, path: &PathPiece, p: &Vector3<f64>) -> f64 {
-        let near = path.nearest(p, self.solid.flat);
-        let below = -self.solid.depth(&(p - near));
-        if p.z <= near.z {
-            return below;
+        let from = |c: &Vector3<f64>| -self.solid.depth(&(p - c));
+        if self.solid.flat == 0.0 {
+            let near = path.nearest(p, 0.0);
+            if p.z <= near.z {
+                return from(&near);
+            }
         }
-        // Beside the shank the distance is measured in plan.
-        let level = path.nearest(&Vector3::new(p.x, p.y, near.z), self.solid.flat);
-        let ends = [level, path.track.start(), path.track.end()];
-        ends.iter().map(|c| -self.solid.depth(&(p - c))).fold(below, f64::min)
+        let within = path.track.point_at(self.nearest_fraction(path, p));
+        [within, path.track.start(), path.track.end()].iter().map(from).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The fraction of the length of a piece at which the cutter is nearest to `p`. Along the piece the
+    /// distance falls while the tangent and the direction from the cutter's core to `p` enclose less than a
+    /// right angle.
+    pub(super) fn nearest_fraction(&self, path: &PathPiece, p: &Vector3<f64>) -> f64 {
+        let towards = |c: Point3<f64>, tangent: &Vector3<f64>| {
+            self.solid.away_from_core(&(p - c.coords)).map_or(0.0, |away| away.dot(tangent))
+        };
+        // How the distance falls over the whole length, mm.
+        let fall = |t: f64| match &path.track {
+            PieceCurve::Line(line) => towards(line.point_at(t), &(line.end - line.start)),
+            PieceCurve::Arc(arc) => {
+                let c = arc.point_at(t);
+                towards(c, &(arc.tangent_in(&c) * arc.sweep()))
+            }
+        };
+        highest_place([0.0, 1.0], PLACE_ACCURACY_MM, fall)
     }
 
     /// The height of a scallop of a part with an allowance that leaves `distance` mm to the enlarged cutter,

@@ -23,8 +23,13 @@ const REACHED_SHARE: f64 = 0.1;
 /// A point is reached if the cutter comes as near to it as this, mm: ten times the accuracy of a drop.
 const REACHED_MM: f64 = 1e-5;
 
-/// The accuracy of a tip, mm.
-const TIP_ACCURACY_MM: f64 = 1e-6;
+/// The accuracy of a tip, as a share of the distance at which a point counts as reached.
+const TIP_ACCURACY: f64 = 0.05;
+
+/// An axis beside the first one is tried if the cutter, resting on the tangent plane there, is at most this
+/// many times as far from the point as counts as reached. Where the surface falls away from the plane the
+/// cutter comes nearer.
+const BESIDE: f64 = 4.0;
 
 /// How far the axis may be beyond the margin of the outline, mm. Passes along it are as accurate.
 const BESIDE_MARGIN_MM: f64 = 1e-3;
@@ -53,9 +58,14 @@ impl<P: Patch> Reach for Positions<'_, P> {
     ) -> Result<bool, Stopped> {
         let enough = REACHED_MM.max(REACHED_SHARE * left);
         let cutter = self.contacts.cutter();
-        for axis in axes(cutter, point, normal) {
-            if self.is_allowed(&axis)
-                && let Some(contact) = self.contacts.drop_within(TIP_ACCURACY_MM, axis, None, budget)?
+        for (k, axis) in axes(cutter, point, normal).into_iter().enumerate() {
+            let is_promising = k == 0 || {
+                let tip = resting(cutter, axis, point, normal);
+                distance_from(cutter, &tip, point) <= BESIDE * enough
+            };
+            if is_promising
+                && self.is_allowed(&axis)
+                && let Some(contact) = self.contacts.drop_within(TIP_ACCURACY * enough, axis, None, budget)?
                 && distance_from(cutter, &contact.tip, point) <= enough
             {
                 return Ok(true);
@@ -70,6 +80,14 @@ impl<P: Patch> Positions<'_, P> {
         let Some((outline, margin)) = &self.inside else { return true };
         outline.depth(axis) >= margin - BESIDE_MARGIN_MM
     }
+}
+
+/// The tip of a cutter that rests on the plane through `point` with a normal that points up.
+fn resting(cutter: &Cutter, axis: Vector2<f64>, point: &Point3<f64>, normal: &Vector3<f64>) -> Point3<f64> {
+    let gradient = -normal.xy() / normal.z;
+    let lower = cutter.tangent_point(gradient);
+    let touched = axis + lower.place - point.coords.xy();
+    Point3::new(axis.x, axis.y, point.z + gradient.dot(&touched) - lower.height)
 }
 
 /// The axes at which the cutter may touch the surface in `point`, the likeliest first.

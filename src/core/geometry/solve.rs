@@ -41,8 +41,8 @@ pub fn falling_root(range: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     highest_place(range, 0.0, f)
 }
 
-/// A place in `range` at which a function with the falling derivative `f` is largest, or smaller than there by
-/// at most `accuracy`.
+/// A place in `range` at which a function with the falling derivative `f` is largest, or smaller than there
+/// by at most `accuracy`.
 pub fn highest_place([mut low, mut high]: [f64; 2], accuracy: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut above, mut below) = (f(low), f(high));
     if above <= 0.0 {

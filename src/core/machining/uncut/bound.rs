@@ -122,9 +122,9 @@ impl Swept {
         part.control_points().map(|p| self.distance(&path, &p)).fold(f64::NEG_INFINITY, f64::max) + more
     }
 
-    /// A bound by two pieces with a ridge between them. Each point is as near to one of the pieces as any mean
-    /// of its two distances. A mean is a convex function, and where its weight fits, it hardly varies across
-    /// the ridge.
+    /// A bound by two pieces with a ridge between them. Each point is as near to one of the pieces as any
+    /// mean of its two distances. A mean is a convex function, and where its weight fits, it hardly varies
+    /// across the ridge.
     fn by_two(&self, part: &impl Patch, paths: [&PathPiece; 2]) -> f64 {
         let [(a, more_a), (b, more_b)] = paths.map(|path| self.convex(part, path));
         let mut at = [[0.0; 2]; MOST_POINTS];

@@ -94,7 +94,8 @@ impl Swept {
     }
 
     /// The distance of `p` from the solid swept along one piece, mm, negative inside. For an arc that does
-    /// not bend up like a valley it is a bound: a place of the piece may be nearer than the one that is found.
+    /// not bend up like a valley it is a bound: another place of the piece may be nearer than the one that
+    /// is found.
     pub(super) fn distance(&self, path: &PathPiece, p: &Vector3<f64>) -> f64 {
         let from = |c: &Vector3<f64>| -self.solid.depth(&(p - c));
         if self.solid.flat == 0.0 {

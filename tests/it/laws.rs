@@ -100,8 +100,8 @@ const ENGINES: [Engine; 2] = [Engine::Contact, Engine::OffsetSection];
 /// shapes.
 const LEAST_TOLERANCE: f64 = 5e-4;
 
-/// Deadline for a part of ordinary size. A part that is stopped by it fails the test. No such part takes a
-/// tenth of it, even on a slow and busy machine.
+/// Deadline for a part of ordinary size. A part that is stopped by it fails the test. All parts of the test
+/// together take 100 s on an idle machine of two cores.
 const LONGEST: Duration = Duration::from_secs(900);
 
 /// The longest search for a smaller case that fails too, in milliseconds.

@@ -18,8 +18,8 @@
 //! * `gouge_max_mm` bounds how deep the cutter or its shank enters the surface on any move.
 //! * No point of the part is farther from the material that the passes remove than the larger of
 //!   `scallop_max_mm` and `rest_max_mm` ([`uncut`](crate::machining::uncut)). The first counts places that
-//!   the cutter can reach, the second all others. At the border between both, a place of the size of a
-//!   thirtieth of the stepover counts as a whole. With an allowance both are estimates.
+//!   the cutter can reach, the second all others. Near a place that the cutter cannot reach, a place that it
+//!   can reach may count as rest. With an allowance both are estimates.
 //!
 //! The bounds hold for the path as computed and as the program states it. A path is
 //! refused if its bound of the deviation exceeds the tolerance. The allowance is a layer of material that has
@@ -100,10 +100,10 @@ pub struct Report {
     pub gouge_at: Option<Point3<f64>>,
     /// Largest distance, in mm, from the finished surface to the material that the passes remove, at places
     /// that the cutter can reach. This is the height of the scallops, or of what stays where no pass leads.
-    /// It is proved that no place has more left than the larger of `scallop_max_mm` and `rest_max_mm`. A
-    /// place that the cutter can reach may count as rest if a place that it cannot reach is nearer than a
-    /// thirtieth of the stepover. With an allowance, the distance counts from the top of the layer that
-    /// stays, and is an estimate. `null` with `wire_union`.
+    /// It is proved that no place has more left than the larger of `scallop_max_mm` and `rest_max_mm`. Near
+    /// a place that the cutter cannot reach, a place that it can reach may count as rest. With an allowance,
+    /// the distance counts from the top of the layer that stays, and is an estimate. `null` with
+    /// `wire_union`.
     pub scallop_max_mm: Option<f64>,
     /// Where `scallop_max_mm` was found, in mm. `null` where nothing was found.
     #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]

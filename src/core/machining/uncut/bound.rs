@@ -136,8 +136,8 @@ impl Swept {
         least_mean(&at[..n])
     }
 
-    /// A convex solid about a piece, as far as the part is concerned: a piece, and by how much the distance
-    /// from what is swept along it may be less than that from `path`, mm.
+    /// A piece along which the cutter sweeps a convex solid, in place of `path`, with an error in mm. Every
+    /// point of the part is at most the error farther from what is swept along `path` than from that solid.
     ///
     /// The solid swept along a line is convex. So is the solid above an arc that bends up like a valley. Any
     /// other arc is replaced by the chord under the part, and the height of the chord is added.

@@ -138,8 +138,9 @@ impl<R: Reach> Search<'_, R> {
         self.reach.is_reached(&place.jet.point, &normal, place.distance, self.budget)
     }
 
-    /// Whether the cutter reaches a corner of a part, or leaves no more than `enough` mm there. What is left
-    /// at such corners is put into `found`. `piece` is near.
+    /// Tries the four corners of a part. Returns whether one of them is reached. A corner counts as reached
+    /// if at most `enough` mm is left there, or if the cutter can reach it. Records in `found` what is left
+    /// at reached corners. The search for the nearest piece of a pass begins at `piece`.
     fn finds_corner(
         &self,
         part: &impl Patch,

@@ -210,7 +210,8 @@ fn what_is_stated_is_what_a_dense_check_finds_and_little_more() {
             let dense = measured(&plan, &job.tool.cutter(), 20.0, &job.surface);
             let stated = plan.report.scallop_max_mm.unwrap().max(plan.report.rest_max_mm.unwrap());
             let ratio = stated / dense;
-            assert!(ratio > 0.999 && ratio < 1.3, "{shape:?} {plane_of:?}: {stated} {dense}");
+            let most = if shape == Shape::Ball { 1.25 } else { 1.3 };
+            assert!(ratio > 0.999 && ratio < most, "{shape:?} {plane_of:?}: {stated} {dense}");
         }
     }
 }

@@ -41,6 +41,9 @@ const MEAN_OF_AXES: f64 = 0.017;
 /// Above this angle the last constant does not hold, radians.
 const LARGE_ANGLE: f64 = 1.0;
 
+/// Below this angle the mean of two axes is on their great circle but for a tenth of a nanoradian.
+const SMALL_ANGLE: f64 = 1e-3;
+
 /// How far the path is from what was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Deviation {
@@ -92,12 +95,12 @@ pub fn of_span(span: &Span, legs: &[Leg], enough: Deviation) -> Deviation {
 
 fn of_part(span: &Span, legs: &[Leg], enough: Deviation, halvings: usize) -> Deviation {
     // Distances count before angles: they choose the leg that is nearest.
-    let bounds = legs.iter().map(|leg| (bound(span, leg), leg));
+    let bounds = legs.iter().map(|leg| beside(leg, span)).map(|leg| (bound(span, &leg), leg));
     let Some((bound, leg)) = bounds.reduce(|a, b| if b.0.tip_mm < a.0.tip_mm { b } else { a }) else {
         return Deviation::NONE;
     };
     let is_enough = bound.tip_mm <= enough.tip_mm && bound.axis <= enough.axis;
-    if is_enough || halvings == 0 || is_near(bound, span, legs, leg) {
+    if is_enough || halvings == 0 || is_near(bound, span, legs, &leg) {
         return bound;
     }
     let [first, second] = span.halves();
@@ -115,13 +118,25 @@ fn is_near(bound: Deviation, span: &Span, legs: &[Leg], nearest: &Leg) -> bool {
 }
 
 /// The deviation of a place from the nearest of some legs.
-fn seen(p: &Point6, legs: &[Leg]) -> Deviation {
+pub fn seen(p: &Point6, legs: &[Leg]) -> Deviation {
     let from = |leg: &Leg| {
         let part = part_of(leg, &tip(p)).clamp(0.0, 1.0);
         Deviation { tip_mm: distance(leg, &tip(p)), axis: angle_between(&top(p), &leg.top_at(part)) }
     };
     let nearest = legs.iter().map(from).reduce(|a, b| if b.tip_mm < a.tip_mm { b } else { a });
     nearest.unwrap_or(Deviation::NONE)
+}
+
+/// The part of a leg that is nearest to a span. The shorter it is, the nearer is the mean of its axes to their
+/// great circle.
+fn beside(leg: &Leg, span: &Span) -> Leg {
+    if leg.angle <= SMALL_ANGLE || leg.is_rotation() {
+        return *leg;
+    }
+    let feet = span.control.map(|p| part_of(leg, &tip(&p)).clamp(0.0, 1.0));
+    let [from, to] = [feet.iter().copied().fold(1.0, f64::min), feet.iter().copied().fold(0.0, f64::max)];
+    let part = leg.between([from, to]);
+    if part.is_rotation() { *leg } else { part }
 }
 
 fn bound(span: &Span, leg: &Leg) -> Deviation {

@@ -33,6 +33,11 @@ impl Leg {
         self.length <= SAME_TIP_MM
     }
 
+    /// Whether the axis turns.
+    pub fn turns(&self) -> bool {
+        self.angle > SAME_AXIS
+    }
+
     pub fn direction(&self) -> Vector3<f64> {
         (tip(&self.end) - tip(&self.start)) / self.length
     }
@@ -41,6 +46,11 @@ impl Leg {
     pub fn at(&self, part: f64) -> Point6 {
         let tip = tip(&self.start).lerp(&tip(&self.end), part);
         join(tip, self.top_at(part))
+    }
+
+    /// The same motion from one part of the leg to another.
+    pub fn between(&self, [from, to]: [f64; 2]) -> Self {
+        Self::new(self.at(from), self.at(to))
     }
 
     /// The vector to the top at a part of the leg, on the great circle.

@@ -17,7 +17,8 @@ pub fn rails(stations: &[Point6]) -> Rails {
         let count = (leg.angle / LARGEST_TURN).ceil().max(1.0) as usize;
         let spans =
             if leg.is_rotation() { rotation::spans(&leg) } else { rotation::even(&leg, leg.length, count) };
-        for span in &spans {
+        // A turn about a resting tip is on its great circle.
+        for span in spans.iter().filter(|_| !leg.is_rotation()) {
             let part = Leg::new(span.start(), span.end());
             deviation = deviation.max(of_span(span, &[part], Deviation::NONE));
         }

@@ -20,7 +20,7 @@ use super::deviation::{Deviation, mean_of_axes, of_chords, of_span};
 use super::drive::Drive;
 use super::leg::Leg;
 use super::path::Path;
-use super::rail::{Piece, Point6, Source, Span, join, tip, top};
+use super::rail::{Piece, Source, Span, join, tip, top};
 use super::stations::pose;
 use super::{FiveAxisError, Job, Rails};
 use crate::budget::Budget;
@@ -120,7 +120,9 @@ impl Moving<'_> {
                 budget.check()?;
             }
             let is_blend = matches!(piece.sources[n], Source::Corner(_));
-            let count = chords(span, if is_blend { self.allowed_at_corners } else { self.allowed });
+            let bends = bends(span);
+            let count = chords(bends, if is_blend { self.allowed_at_corners } else { self.allowed });
+            let height = heights(bends, count);
             let at = |i: usize| {
                 if i == count { span.to } else { span.from + span.length() * (i as f64 / count as f64) }
             };
@@ -138,7 +140,7 @@ impl Moving<'_> {
                 let ends = [at(i), at(i + 1)];
                 if rests {
                     if matches!(piece.sources[n], Source::Run(_)) {
-                        let axis = self.rails.deviation.axis + self.allowed.axis;
+                        let axis = self.rails.deviation.axis + height.axis;
                         self.deviation.axis = self.deviation.axis.max(axis);
                     }
                     let seconds = match self.drive {
@@ -147,12 +149,9 @@ impl Moving<'_> {
                     };
                     self.builder.turn(to.axis, Some(seconds), Role::Cut)?;
                 } else {
-                    self.deviation = self.deviation.max(self.of_chord(
-                        ends,
-                        [&places[i], &places[i + 1]],
-                        piece.sources[n],
-                        &legs,
-                    ));
+                    let chord = Span::line(ends[0], ends[1], places[i], places[i + 1]);
+                    self.deviation =
+                        self.deviation.max(self.of_chord(&chord, height, piece.sources[n], &legs));
                     let speed = self.drive.map_or(piece.feeds[n], |drive| drive.largest_speed(k, ends));
                     self.builder.turn_next(to.axis)?;
                     self.builder.line(to.tip, rate(speed), Role::Cut)?;
@@ -171,16 +170,15 @@ impl Moving<'_> {
         Ok(())
     }
 
-    /// The bound of the deviation of a chord of the rails.
-    fn of_chord(&self, ends: [f64; 2], places: [&Point6; 2], source: Source, legs: &[Leg]) -> Deviation {
+    /// The bound of the deviation of a chord of the rails, which are at most `height` beside it.
+    fn of_chord(&self, chord: &Span, height: Deviation, source: Source, legs: &[Leg]) -> Deviation {
         // The axis turns on the great circle; the line of tops that are equally far away is near to it.
-        let height = top(&self.path.stations[0]).norm();
-        let [start, end] = places.map(|at| join(tip(at), top(at).normalize() * height));
+        let far = top(&self.path.stations[0]).norm();
+        let [start, end] = [chord.start(), chord.end()].map(|at| join(tip(&at), top(&at).normalize() * far));
         let circle = Deviation { tip_mm: 0.0, axis: mean_of_axes(&Leg::new(start, end)) };
-        let chord = Span::line(ends[0], ends[1], start, end);
+        let chord = Span::line(chord.from, chord.to, start, end);
         match source {
-            // The heights of the chords on top.
-            Source::Run(_) => self.rails.deviation.plus(self.allowed).plus(circle),
+            Source::Run(_) => self.rails.deviation.plus(height).plus(circle),
             // Around a corner, the nearest leg changes along the chord.
             Source::Corner(_) => of_span(&chord, legs, Deviation::NONE).plus(circle),
             // The search may end early at a bound that is no larger than that of the rails.
@@ -200,8 +198,8 @@ fn corner(chords: &[Vector3<f64>], legs: &[Leg]) -> f64 {
     ))
 }
 
-/// The chords of a span whose heights are allowed.
-fn chords(span: &Span, allowed: Deviation) -> usize {
+/// How far a span may leave the chord over all of it: the tip, and the axis.
+fn bends(span: &Span) -> Deviation {
     let second = span.control.windows(3).map(|p| p[2] - p[1] * 2.0 + p[0]);
     let (mut of_tip, mut of_top, mut shortest) = (0.0_f64, 0.0_f64, f64::INFINITY);
     for bend in second {
@@ -211,9 +209,20 @@ fn chords(span: &Span, allowed: Deviation) -> usize {
     for p in &span.control {
         shortest = shortest.min(top(p).norm());
     }
-    // The second derivative of a quintic has 20 times the second differences.
-    let height = (2.5 * of_tip / allowed.tip_mm).max(2.5 * of_top / (shortest * allowed.axis));
-    height.sqrt().ceil().clamp(1.0, MOST_CHORDS) as usize
+    // An eighth of the second derivative bounds the height. That of a quintic has 20 times the second
+    // differences.
+    Deviation { tip_mm: 2.5 * of_tip, axis: 2.5 * of_top / shortest }
+}
+
+/// The chords of a span whose heights are allowed.
+fn chords(bends: Deviation, allowed: Deviation) -> usize {
+    bends.of(allowed).sqrt().ceil().clamp(1.0, MOST_CHORDS) as usize
+}
+
+/// The heights of so many chords of a span.
+fn heights(bends: Deviation, count: usize) -> Deviation {
+    let part = 1.0 / (count * count) as f64;
+    Deviation { tip_mm: bends.tip_mm * part, axis: bends.axis * part }
 }
 
 fn rate(mm_per_s: f64) -> Option<FeedRate> {

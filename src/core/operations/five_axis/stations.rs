@@ -17,6 +17,11 @@ const PER_SPAN: [usize; 2] = [100, 1];
 const WANTED: f64 = 4000.0;
 const PER_PIECE: [f64; 2] = [1000.0, 100.0];
 
+/// Of very many pieces, each has its part of so many stations, and at least `FEWEST`. Nodes are added toward
+/// the ends of each.
+const OF_MANY_PIECES: f64 = 40_000.0;
+const FEWEST: f64 = 4.0;
+
 /// Between two stations a rotary axis is to turn by at most the first angle, and must not turn by more than
 /// the second one, radians. With larger turns, limits would be missed between stations.
 const LARGEST_TURN: f64 = 0.02;
@@ -37,10 +42,10 @@ pub fn pose(at: &Point6) -> Pose {
     Pose { tip: Point3::from(tip(at)), axis: Unit::new_normalize(top(at)) }
 }
 
-/// The parameters of the stations of a piece that is a part `share` of the path.
-fn places(spans: &[Span], share: f64) -> Vec<f64> {
+/// The parameters of the stations of a piece that is a part `share` of the path; it has at least `fewest`.
+fn places(spans: &[Span], share: f64, fewest: f64) -> Vec<f64> {
     let [most, least] = PER_SPAN;
-    let wanted = (WANTED * share).clamp(PER_PIECE[1], PER_PIECE[0]);
+    let wanted = (WANTED * share).clamp(fewest, PER_PIECE[0]);
     let each = ((wanted / spans.len() as f64) as usize).clamp(least, most);
     let mut places = vec![spans[0].from];
     for span in spans {
@@ -54,7 +59,8 @@ fn places(spans: &[Span], share: f64) -> Vec<f64> {
 pub fn unfollowed(rail: &Rail) -> Vec<Vec<f64>> {
     let length = |piece: &Piece| piece.spans.iter().map(Span::length).sum::<f64>();
     let whole: f64 = rail.pieces.iter().map(length).sum();
-    rail.pieces.iter().map(|piece| places(&piece.spans, length(piece) / whole)).collect()
+    let fewest = (OF_MANY_PIECES / rail.pieces.len() as f64).clamp(FEWEST, PER_PIECE[1]);
+    rail.pieces.iter().map(|piece| places(&piece.spans, length(piece) / whole, fewest)).collect()
 }
 
 /// The stations of each piece, between which no rotary axis turns far. Beside the pole a rotary axis turns

@@ -78,7 +78,7 @@ pub fn fit(
             ends: [legs[0].start, legs[legs.len() - 1].end],
             radii: [AIM * within.tip_mm, AIM * within.axis * super::rail::top(&legs[0].start).norm()],
         };
-        let Some(spline) = problem.solve(budget)? else { return Ok(None) };
+        let Some(spline) = problem.solve_with_few(budget)? else { return Ok(None) };
         let mut excess: Vec<f64> = problem.excess(&spline);
         let mut deviation = Deviation::NONE;
         if excess.iter().all(|excess| *excess <= 1.0 / AIM) {

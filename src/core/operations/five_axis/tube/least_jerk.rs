@@ -6,8 +6,11 @@
 //! into a banded linear system for c, whose matrix is factored once, and projections into balls. Tip and top
 //! are independent of each other and share the matrix. Both are scaled so that their balls have the radius 1.
 //!
+//! Of a hundred fit points to a span or more, some are enough: those that the spline then misses join them, until
+//! it misses none.
+//!
 //! # Cost
-//! O(n) for n fit points in each iteration.
+//! O(n) for n fit points that count in each iteration.
 //!
 //! # Reference
 //! S. Boyd et al., *Distributed Optimization and Statistical Learning via the Alternating Direction Method of
@@ -73,7 +76,70 @@ struct Row {
     basis: [f64; WIDTH],
 }
 
+/// Fit points of a span: so many are enough to begin with, evenly spaced.
+const ENOUGH: usize = 48;
+
+/// Rounds in which the worst of all others join them, and the parts of a span of which each gives one.
+const JOINING: usize = 12;
+const PARTS: usize = 8;
+
+/// A fit point joins if its distance is above this multiple of the radius.
+const MISSED: f64 = 1.005;
+
 impl Problem<'_> {
+    /// The spline as by [`Problem::solve`]. Of many fit points, only those are searched with that the spline
+    /// might miss.
+    pub fn solve_with_few(&self, budget: &Budget) -> Result<Option<Vec<Span>>, Stopped> {
+        let count = self.fit_points.len();
+        if count <= 2 * ENOUGH * (self.knots.len() - 1) {
+            return self.solve(budget);
+        }
+        let spans: Vec<usize> = self.fit_points.iter().map(|own| self.span_at(own.u)).collect();
+        let mut is_chosen = vec![false; count];
+        for of_span in spans.chunk_by(|a, b| a == b).scan(0, |from, of_span| {
+            *from += of_span.len();
+            Some(*from - of_span.len()..*from)
+        }) {
+            let each = of_span.len().div_ceil(ENOUGH);
+            of_span.step_by(each).for_each(|k| is_chosen[k] = true);
+        }
+        let mut found = None;
+        for _ in 0..JOINING {
+            let chosen = self.fit_points.iter().zip(&is_chosen).filter(|(_, is)| **is).map(|(own, _)| *own);
+            let few = Problem { fit_points: chosen.collect(), ..*self };
+            let Some(spline) = few.solve(budget)? else { return Ok(None) };
+            let misses = few.excess(&spline).iter().any(|excess| *excess > HOPELESS);
+            let joined = !misses && self.join(&spline, &spans, &mut is_chosen);
+            found = Some(spline);
+            if !joined {
+                break;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Chooses the fit points that a spline misses most, and says whether there were any.
+    fn join(&self, spline: &[Span], spans: &[usize], is_chosen: &mut [bool]) -> bool {
+        let scale = self.scales();
+        let mut worst: Option<(usize, usize, f64)> = None;
+        let mut joined = Vec::new();
+        for (k, (own, span)) in self.fit_points.iter().zip(spans).enumerate() {
+            let Span { from, to, .. } = spline[*span];
+            let part = span * PARTS + ((own.u - from) / (to - from) * PARTS as f64) as usize;
+            if worst.is_some_and(|(of, ..)| of != part) {
+                joined.extend(worst.take());
+            }
+            let off = off(&spline[*span], own, &scale);
+            if off > worst.map_or(MISSED, |(.., most)| most) {
+                worst = Some((part, k, off));
+            }
+        }
+        joined.extend(worst);
+        let before = joined.iter().filter(|(_, k, _)| is_chosen[*k]).count();
+        joined.iter().for_each(|(_, k, _)| is_chosen[*k] = true);
+        joined.len() > before
+    }
+
     /// The spans of the spline. It may miss fit points where the knots do not allow better; see
     /// [`Problem::excess`]. `None` where the numbers allow no solution.
     pub fn solve(&self, budget: &Budget) -> Result<Option<Vec<Span>>, Stopped> {
@@ -166,9 +232,7 @@ impl Problem<'_> {
         let mut excess = vec![0.0_f64; spans.len()];
         for fit_point in &self.fit_points {
             let k = self.span_at(fit_point.u);
-            let off = spans[k].jet(fit_point.u)[0] - fit_point.at;
-            let part = |n: usize| (0..3).map(|k| (off[n + k] / scale[n + k]).powi(2)).sum::<f64>().sqrt();
-            excess[k] = excess[k].max(part(0)).max(part(3));
+            excess[k] = excess[k].max(off(&spans[k], fit_point, &scale));
         }
         excess
     }
@@ -265,6 +329,13 @@ impl Row {
         }
         value
     }
+}
+
+/// The distance of a span from a fit point, of tip or top, as a part of the radius.
+fn off(span: &Span, fit_point: &FitPoint, scale: &[f64; 6]) -> f64 {
+    let off = span.jet(fit_point.u)[0] - fit_point.at;
+    let part = |n: usize| (0..3).map(|k| (off[n + k] / scale[n + k]).powi(2)).sum::<f64>().sqrt();
+    part(0).max(part(3))
 }
 
 /// The nearest place in the balls of radius 1 about the tip and the top of a centre.

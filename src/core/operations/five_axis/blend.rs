@@ -1,6 +1,6 @@
 //! A quintic around a corner, from the rails before it to the rails after it.
 
-use super::deviation::{Deviation, of_line, of_span, part_of};
+use super::deviation::{Deviation, of_line, of_span, part_of, seen};
 use super::leg::Leg;
 use super::rail::{Fitted, Span, tip};
 use crate::toolpath::tool_axes::angle_between;
@@ -23,6 +23,9 @@ const FIRST: f64 = 1.0 / 0.375;
 /// The least sine of half a turn in the estimate of the first distance. At a corner without a turn the sine
 /// is zero, and the room decides alone: the estimate is then longer than any leg.
 const LEAST_SINE: f64 = 1e-9;
+
+/// The parts of a blend at whose ends its deviation is seen.
+const PLACES: usize = 8;
 
 /// Blends that are shorter gain nothing over a stop, mm.
 const SHORTEST_MM: f64 = 1e-5;
@@ -52,23 +55,35 @@ pub fn blend(before: &[Fitted], after: &[Fitted], legs: &[Leg; 2], tolerance: De
         let span =
             Span::quintic([0.0, 2.0 * distance], [start[0], start[1], start[2]], [end[0], end[1], end[2]]);
         let parts = [part_of(&legs[0], &tip(&start[0])), part_of(&legs[1], &tip(&end[0]))];
-        if let Some(deviation) = proved(&span, legs, parts, tolerance) {
+        let seen = seen_around(&span, legs);
+        if let Some(deviation) = proved(&span, legs, parts, seen, tolerance) {
             return Some(Blend { span, leaves, meets, deviation });
         }
-        // The distance from the corner grows with that of the blend's ends.
-        let middle = tip(&span.jet(distance)[0]) - tip(&legs[0].end);
+        // The deviation grows with the distance of the blend's ends from the corner.
         let [least, most] = SHORTER;
-        distance *= (WANTED * tolerance.tip_mm / middle.norm()).clamp(least, most);
+        distance *= (WANTED / seen.of(tolerance)).clamp(least, most);
     }
     None
 }
 
+/// The deviation of a blend at some places, and of the corner from its middle.
+fn seen_around(around: &Span, legs: &[Leg; 2]) -> Deviation {
+    let place = |k: usize| around.jet(around.from + around.length() * k as f64 / PLACES as f64)[0];
+    let apart = (tip(&place(PLACES / 2)) - tip(&legs[0].end)).norm();
+    let places = (1..PLACES).map(|k| seen(&place(k), legs));
+    places.fold(Deviation { tip_mm: apart, axis: 0.0 }, Deviation::max)
+}
+
 /// The bound of a blend's deviation, both ways; none if it leaves the tolerance.
-fn proved(around: &Span, legs: &[Leg; 2], parts: [f64; 2], tolerance: Deviation) -> Option<Deviation> {
-    // What is seen at one place is enough to refuse.
-    let corner = tip(&legs[0].end);
-    let middle = tip(&around.jet(0.5 * (around.from + around.to))[0]);
-    if (middle - corner).norm() > tolerance.tip_mm {
+fn proved(
+    around: &Span,
+    legs: &[Leg; 2],
+    parts: [f64; 2],
+    seen: Deviation,
+    tolerance: Deviation,
+) -> Option<Deviation> {
+    // What is seen is enough to refuse.
+    if seen.of(tolerance) > 1.0 {
         return None;
     }
     let there = of_span(around, legs, tolerance);

@@ -2,7 +2,8 @@
 //!
 //! # Method
 //! 1. Neighbouring poses whose tips are within the tolerance of the first of them share one tip: the tool
-//!    rests there.
+//!    rests there. Small steps of a path that goes on straight stay if the axis turns along them. Poses that wander about one place share
+//!    one tip even if they wander farther.
 //! 2. Of the axes of such poses, those within the tolerance of the great circle between two others are left
 //!    out.
 //!
@@ -30,21 +31,85 @@ pub struct Cleaned {
     pub moved: Deviation,
 }
 
-/// Cleans a path of poses. Tips and axes move by at most `allowed`.
+/// The tool rests where poses wander by up to this multiple of the tolerance about one tip, far from others.
+const WANDER: f64 = 5.0;
+
+/// The least number of poses that wander, and how many times as long as their extent their way is.
+const WANDERING_POSES: usize = 3;
+const WANDERING_WAY: f64 = 2.0;
+
+/// The next poses are far from those that wander, in multiples of how far these wander.
+const FAR: f64 = 4.0;
+
+/// The axis turns as fast as beside, by the way of the tip, at up to this multiple.
+const ALIKE: f64 = 4.0;
+
+/// Cleans a path of poses. Axes move by at most `allowed`, and so do tips, or by [`WANDER`] times as much
+/// where they wander.
 pub fn clean(poses: &[Point6], allowed: Deviation) -> Cleaned {
     let mut cleaned = Cleaned { kept: Vec::with_capacity(poses.len()), moved: Deviation::NONE };
     let mut first = 0;
     while first < poses.len() {
         let start = tip(&poses[first]);
-        let rest = poses[first..].iter().take_while(|pose| (tip(pose) - start).norm() <= allowed.tip_mm);
-        let end = first + rest.count().max(1);
+        let within = |radius: f64| {
+            let rest = poses[first..].iter().take_while(|pose| (tip(pose) - start).norm() <= radius);
+            first + rest.count().max(1)
+        };
+        let (near, wide) = (within(allowed.tip_mm), within(WANDER * allowed.tip_mm));
+        let end = if wanders(poses, [first, wide], WANDER * allowed.tip_mm) {
+            wide
+        } else if turns(poses, [first, near], allowed.axis) && goes_on(poses, [first, near], allowed.tip_mm) {
+            first + 1
+        } else {
+            near
+        };
         // The last pose keeps its tip, even if all tips are within the tolerance of the first.
         let is_whole = first == 0 && end == poses.len() && tip(&poses[end - 1]) != start;
-        let end = if is_whole { end - 1 } else { end };
+        let end = if is_whole && end > 1 { end - 1 } else { end };
         cleaned.rest(poses, [first, end - 1], allowed.axis);
         first = end;
     }
     cleaned
+}
+
+/// Whether an axis of the poses from `first` to before `end` is farther than allowed from the first of them.
+fn turns(poses: &[Point6], [first, end]: [usize; 2], allowed: f64) -> bool {
+    poses[first..end].iter().any(|pose| angle_between(&top(pose), &top(&poses[first])) > allowed)
+}
+
+fn step(poses: &[Point6], k: usize) -> Vector3<f64> {
+    tip(&poses[k + 1]) - tip(&poses[k])
+}
+
+/// Whether the tips of the poses from `first` to before `end` go to and fro within a radius, far from the
+/// others.
+fn wanders(poses: &[Point6], [first, end]: [usize; 2], radius: f64) -> bool {
+    let is_far = |k: usize| step(poses, k).norm() > FAR * radius;
+    let is_alone = (first == 0 || is_far(first - 1)) && (end == poses.len() || is_far(end - 1));
+    let extent =
+        poses[first..end].iter().map(|pose| (tip(pose) - tip(&poses[first])).norm()).fold(0.0, f64::max);
+    let way: f64 = (first..end - 1).map(|k| step(poses, k).norm()).sum();
+    is_alone && end - first >= WANDERING_POSES && way > WANDERING_WAY * extent
+}
+
+/// Whether the poses from `first` to before `end` are steps of a path that goes on straight, in steps as small
+/// or with an axis that turns as fast.
+fn goes_on(poses: &[Point6], [first, end]: [usize; 2], allowed: f64) -> bool {
+    let beside = [first.checked_sub(1), (end < poses.len()).then_some(end - 1)];
+    let rate = |k: usize| angle_between(&top(&poses[k]), &top(&poses[k + 1])) / step(poses, k).norm();
+    let fastest = |steps: &mut dyn Iterator<Item = usize>| steps.map(rate).fold(0.0, f64::max);
+    let small = beside.map(|k| k.filter(|k| step(poses, *k).norm() <= allowed));
+    let alike = || fastest(&mut (first..end - 1)) <= ALIKE * fastest(&mut beside.into_iter().flatten());
+    let [before, after] = match small {
+        [None, None] if alike() => beside,
+        [None, None] => return false,
+        small => small,
+    };
+    let is_straight = |k: usize| {
+        let [a, b] = [step(poses, k), step(poses, k + 1)];
+        a.dot(&b) > 0.5 * a.norm() * b.norm()
+    };
+    (before.unwrap_or(first)..after.unwrap_or(end.saturating_sub(2))).all(is_straight)
 }
 
 impl Cleaned {
@@ -147,6 +212,26 @@ mod tests {
         let cleaned = clean(&poses, ALLOWED);
         assert_eq!(kept(&poses), [0, 1, 30, 31]);
         assert_eq!(tip(&cleaned.kept[1].1), tip(&cleaned.kept[2].1));
+    }
+
+    #[test]
+    fn small_steps_of_a_path_that_goes_on_stay() {
+        let poses: Vec<Point6> = (0..40).map(|k| pose(3e-4 * f64::from(k), 0.01 * f64::from(k))).collect();
+        let cleaned = clean(&poses, ALLOWED);
+        assert_eq!(cleaned.kept, poses.iter().copied().enumerate().collect::<Vec<_>>());
+        let doubled: Vec<Point6> = poses.iter().flat_map(|pose| [*pose; 2]).collect();
+        assert!(clean(&doubled, ALLOWED).kept.len() < 40);
+    }
+
+    #[test]
+    fn poses_that_wander_about_one_place_share_its_tip() {
+        let wandering = (0..20).map(|k| pose(2.0 + 2e-3 * f64::from(k % 2), 0.02 * f64::from(k)));
+        let poses: Vec<Point6> =
+            [pose(0.0, 0.0)].into_iter().chain(wandering).chain([pose(4.0, 0.4)]).collect();
+        let cleaned = clean(&poses, ALLOWED);
+        assert_eq!(kept(&poses), [0, 1, 20, 21]);
+        assert_eq!(tip(&cleaned.kept[1].1), tip(&cleaned.kept[2].1));
+        assert!((cleaned.moved.tip_mm - 2e-3).abs() < 1e-9);
     }
 
     #[test]

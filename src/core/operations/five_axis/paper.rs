@@ -22,6 +22,8 @@
 //! * (12) points inward: the correction goes the other way. With theta as the interior angle, (13) is
 //!   13/48 L tan(phi/2) for the turn phi. It is computed from the cross product, so that it vanishes on
 //!   lines.
+//! * Where the axis never turns, the top points are those of the bottom moved along it: corrections that are
+//!   clamped to different sizes would lean the axis.
 //! * (6) starts with degree 0, and the last interval is closed.
 //!
 //! # Reference
@@ -49,8 +51,9 @@ pub fn rails(stations: &[Point6], tolerance: Deviation, budget: &Budget) -> Resu
     let tops: Vec<Vector3<f64>> = bottoms.iter().zip(&axes).map(|(tip, axis)| tip + axis).collect();
     let bottom = control_points(&bottoms, tolerance.tip_mm);
     let top = control_points(&tops, height * tolerance.axis);
-    let control: Vec<Point6> =
-        bottom.iter().zip(&top).map(|(bottom, top)| join(*bottom, top - bottom)).collect();
+    let turns = legs.iter().any(Leg::turns);
+    let across = |(bottom, top): (&Vector3<f64>, &Vector3<f64>)| if turns { top - bottom } else { axes[0] };
+    let control: Vec<Point6> = bottom.iter().zip(&top).map(|pair| join(*pair.0, across(pair))).collect();
 
     let n = control.len();
     let last = (n - 3) as f64;

@@ -147,15 +147,24 @@ impl<'a> Smoother<'a> {
         (self.turn(k) * shorter / (8.0 * within.tip_mm)).max(swing * shorter / (8.0 * within.axis))
     }
 
-    /// The motion may stop at a station. On a pole, the legs beside it then stay lines, so that the free
-    /// angle is the same before and after the stop.
+    /// The motion may stop at a station. On a pole, the legs beside it that leave the pole then stay lines,
+    /// so that the free angle is the same before and after the stop.
     fn make_corner(&mut self, k: usize) {
         self.is_corner[k] = true;
         if self.stretch.on_pole[k] {
-            let last = self.is_corner.len() - 1;
-            self.is_corner[k.saturating_sub(1)] = true;
-            self.is_corner[(k + 1).min(last)] = true;
+            if k > 0 && self.legs[k - 1].turns() {
+                self.is_corner[k - 1] = true;
+            }
+            if self.legs.get(k).is_some_and(Leg::turns) {
+                self.is_corner[k + 1] = true;
+            }
         }
+    }
+
+    /// Whether the rails have to hit a station inside the path, because they come to a pole there or leave
+    /// it. Where the axis rests on the pole, no rotary axis has to turn.
+    fn passes_pole(&self, k: usize) -> bool {
+        self.stretch.on_pole[k] && (self.legs[k - 1].turns() || self.legs[k].turns())
     }
 
     /// The tolerance of the rails along legs.
@@ -182,7 +191,7 @@ impl<'a> Smoother<'a> {
                 }
                 let spans = self.fit(first, last);
                 let is_alone = last == first + 1;
-                let hits_pole = self.stretch.on_pole[first + 1..last].contains(&true);
+                let hits_pole = (first + 1..last).any(|k| self.passes_pole(k));
                 // Points that a repair has added jump to and fro by themselves.
                 let is_as_given = self.repairs[first..last].iter().all(|repairs| *repairs == 0);
                 let is_rough = || is_as_given && roughness::is_rough(&spans);
@@ -304,7 +313,7 @@ impl<'a> Smoother<'a> {
                 let is_turn = self.turn(first) <= REVERSAL;
                 let within = self.within(first - 1..first + 1).without(self.room.at_corners);
                 // A blend would miss the pole, and turn a rotary axis far beside it.
-                let blends = is_turn && !self.stretch.on_pole[first];
+                let blends = is_turn && !self.passes_pole(first);
                 let found = blends.then(|| blend(&piece, &spans, &legs, within)).flatten();
                 if let Some(Blend { span, leaves, meets, deviation }) = found {
                     end_at(&mut piece, leaves);

@@ -12,10 +12,6 @@ impl<const WIDTH: usize> BandedMatrix<WIDTH> {
         Self { rows: vec![[0.0; WIDTH]; size] }
     }
 
-    pub fn clear(&mut self) {
-        self.rows.fill([0.0; WIDTH]);
-    }
-
     /// Adds to the entry at (row, row - back), where `back` is below `WIDTH`.
     pub fn add(&mut self, row: usize, back: usize, value: f64) {
         self.rows[row][back] += value;

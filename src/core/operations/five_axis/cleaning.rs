@@ -2,8 +2,8 @@
 //!
 //! # Method
 //! 1. Neighbouring poses whose tips are within the tolerance of the first of them share one tip: the tool
-//!    rests there. Small steps of a path that goes on straight stay if the axis turns along them. Poses that wander about one place share
-//!    one tip even if they wander farther.
+//!    rests there. Small steps of a path that goes on straight stay if the axis turns along them. Poses that
+//!    wander about one place share one tip even if they wander farther.
 //! 2. Of the axes of such poses, those within the tolerance of the great circle between two others are left
 //!    out.
 //!
@@ -92,8 +92,8 @@ fn wanders(poses: &[Point6], [first, end]: [usize; 2], radius: f64) -> bool {
     is_alone && end - first >= WANDERING_POSES && way > WANDERING_WAY * extent
 }
 
-/// Whether the poses from `first` to before `end` are steps of a path that goes on straight, in steps as small
-/// or with an axis that turns as fast.
+/// Whether the poses from `first` to before `end` are steps of a path that goes on straight, in steps as
+/// small or with an axis that turns as fast.
 fn goes_on(poses: &[Point6], [first, end]: [usize; 2], allowed: f64) -> bool {
     let beside = [first.checked_sub(1), (end < poses.len()).then_some(end - 1)];
     let rate = |k: usize| angle_between(&top(&poses[k]), &top(&poses[k + 1])) / step(poses, k).norm();

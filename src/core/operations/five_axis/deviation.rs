@@ -127,8 +127,8 @@ pub fn seen(p: &Point6, legs: &[Leg]) -> Deviation {
     nearest.unwrap_or(Deviation::NONE)
 }
 
-/// The part of a leg that is nearest to a span. The shorter it is, the nearer is the mean of its axes to their
-/// great circle.
+/// The part of a leg that is nearest to a span. The shorter it is, the nearer is the mean of its axes to
+/// their great circle.
 fn beside(leg: &Leg, span: &Span) -> Leg {
     if leg.angle <= SMALL_ANGLE || leg.is_rotation() {
         return *leg;

@@ -12,7 +12,9 @@
 //! # Cost
 //! O(n) for n stations; `benches/five_axis` measures it.
 
+mod least_time;
 mod proof;
+mod s_curve;
 #[cfg(test)]
 mod tests;
 
@@ -63,6 +65,7 @@ pub struct Drive<'a> {
     pieces: Vec<Driven<'a>>,
     machine: Option<&'a Machine>,
     duration_s: f64,
+    least_time_s: f64,
     gap: Option<Point3<f64>>,
 }
 
@@ -97,11 +100,12 @@ impl<'a> Drive<'a> {
         };
         let machine = machine.map(|(machine, _)| machine);
         let limits = Axes::new(machine, limits);
-        let mut drive = Self { pieces: Vec::new(), machine, duration_s: 0.0, gap: None };
+        let mut drive = Self { pieces: Vec::new(), machine, duration_s: 0.0, least_time_s: 0.0, gap: None };
         for (piece, stations) in rail.pieces.iter().zip(stations) {
             let passages = passages(&piece.spans, machine);
             let path = Path { piece, passages, stations, machine, rests: piece.rests() };
             let Timed { path, schedule, gap } = path.scheduled(&limits, budget)?;
+            drive.least_time_s += path.least_time_s(&path.rows(&limits)?, &limits, budget)?;
             drive.gap = drive.gap.or(gap);
             let begins_s = drive.duration_s;
             drive.duration_s += schedule.duration_s();
@@ -112,6 +116,11 @@ impl<'a> Drive<'a> {
 
     pub fn duration_s(&self) -> f64 {
         self.duration_s
+    }
+
+    /// No motion along the rails within the limits that rests between pieces takes less, s.
+    pub fn least_time_s(&self) -> f64 {
+        self.least_time_s
     }
 
     /// The first place around which the limits are not proved: there the axis passes the pole.
@@ -237,6 +246,19 @@ impl<'a> Path<'a> {
 
     /// The motion with the given stations, and the intervals between stations for which it was slowed.
     fn fastest(self, axes: &Axes, budget: &Budget) -> Result<(Timed<'a>, Vec<usize>), FiveAxisError> {
+        let stations = self.rows(axes)?;
+        let found =
+            schedule(&stations, &axes.limits, axes.tip.as_ref(), budget).map_err(|error| match error {
+                ScheduleError::Stopped(stopped) => FiveAxisError::Stopped(stopped),
+                error => FiveAxisError::NotScheduled { error, at: tip(&self.piece.spans[0].start()).into() },
+            })?;
+        let Proof { slowdown, tight, gap } = self.proof(&found, axes, budget)?;
+        let schedule = if slowdown > 1.0 { found.slowed(slowdown) } else { found };
+        Ok((Timed { path: self, schedule, gap }, tight))
+    }
+
+    /// The derivatives at the stations.
+    fn rows(&self, axes: &Axes) -> Result<Vec<Station>, FiveAxisError> {
         let mut stations = Vec::with_capacity(self.stations.len());
         let mut k = 0;
         for (u, joints) in &self.stations {
@@ -247,14 +269,7 @@ impl<'a> Path<'a> {
             let next = if spans[k].to == *u && k + 1 < spans.len() { k + 1 } else { k };
             stations.push(self.station(*u, [k, next], *joints, axes)?);
         }
-        let found =
-            schedule(&stations, &axes.limits, axes.tip.as_ref(), budget).map_err(|error| match error {
-                ScheduleError::Stopped(stopped) => FiveAxisError::Stopped(stopped),
-                error => FiveAxisError::NotScheduled { error, at: tip(&self.piece.spans[0].start()).into() },
-            })?;
-        let Proof { slowdown, tight, gap } = self.proof(&found, axes, budget)?;
-        let schedule = if slowdown > 1.0 { found.slowed(slowdown) } else { found };
-        Ok((Timed { path: self, schedule, gap }, tight))
+        Ok(stations)
     }
 
     /// The same piece with stations inside the intervals `tight`.

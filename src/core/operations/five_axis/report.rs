@@ -17,7 +17,14 @@ pub enum Warning {
     LimitsNotProved { at: Point3<f64> },
     #[error("the program may be up to {:.4} mm from the given path, beyond the tolerance", rounded_up(*deviation_mm))]
     RoundingExceedsTolerance { deviation_mm: f64 },
+    #[error(
+        "the motion takes {cycle_time_s:.3} s, {:.2} times the proved lower bound of {lower_bound_s:.3} s: the limits of jerk slow it down inside the path, which the bound leaves out of account, or a faster motion was not found", cycle_time_s / lower_bound_s
+    )]
+    AboveLowerBound { cycle_time_s: f64, lower_bound_s: f64 },
 }
+
+/// A duration above this multiple of its lower bound is a warning.
+const ABOVE_BOUND: f64 = 1.05;
 
 /// What was found about the smooth path.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,6 +72,11 @@ pub struct Report {
     /// Duration of the motion, in s: the time of the last sample. Without `limits` at the feed everywhere,
     /// without ramps.
     pub cycle_time_s: f64,
+    /// Proved lower bound of the duration, in s: no motion along the smooth path within the limits, with the
+    /// same stops, is faster. Jerk counts only at the stops: where it slows the motion down elsewhere, the
+    /// bound is too low. Absent without `limits`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub cycle_time_lower_bound_s: Option<f64>,
     /// Whether every limit is proved to be kept at every time of the motion. `false` only where the tool axis
     /// passes a pole of the machine and is not led through it, as with `method: paper`. Absent without
     /// `limits`.
@@ -87,7 +99,10 @@ impl Report {
         let &Self { deviation_max_mm: deviation_mm, deviation_max_deg: deviation_deg, .. } = self;
         let exceeded = Warning::ToleranceExceeded { deviation_mm, deviation_deg };
         let unproved = limits_unproved_at.map(|at| Warning::LimitsNotProved { at });
-        (!self.within_tolerance).then_some(exceeded).into_iter().chain(unproved).collect()
+        let slow = self.cycle_time_lower_bound_s.filter(|bound| self.cycle_time_s > ABOVE_BOUND * bound);
+        let cycle_time_s = self.cycle_time_s;
+        let slow = slow.map(|lower_bound_s| Warning::AboveLowerBound { cycle_time_s, lower_bound_s });
+        (!self.within_tolerance).then_some(exceeded).into_iter().chain(unproved).chain(slow).collect()
     }
 
     /// The warning that rounding, and straying between legs, may take the program of `job` out of the

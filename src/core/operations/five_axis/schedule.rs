@@ -27,7 +27,7 @@
 //!
 //! # Degenerate input
 //! A single station gives a duration of 0. Limits and caps may be infinite; crossing the path then takes at
-//! least a microsecond. A station at which no coordinate moves is refused.
+//! least a microsecond. A station without a cap at which no coordinate moves is refused.
 //!
 //! # Cost
 //! O(n) for n stations: 5 to 15 microseconds each with 5 coordinates. Up to 100 nodes are added at the ends,
@@ -45,6 +45,7 @@ mod between;
 mod bounds;
 mod grid;
 mod interior;
+mod least_squares;
 mod newton;
 mod profile;
 mod resolution;

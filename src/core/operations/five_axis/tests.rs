@@ -3,6 +3,7 @@
 mod judge;
 mod laws;
 mod poles;
+mod times;
 
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -164,6 +165,8 @@ fn a_line_takes_the_time_of_the_closed_form() {
     let expected = 1.0 + 2.0 * (100.0_f64 / 1e5).sqrt();
     let found = plan.report.cycle_time_s;
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
+    let bound = plan.report.cycle_time_lower_bound_s.unwrap();
+    assert!(bound <= expected && bound > 0.9999 * expected, "{bound} {expected}");
 }
 
 pub(super) fn assert_within(name: &str, job: &Job) -> Plan {

@@ -22,6 +22,7 @@ impl From<&five_axis::Warning> for Warning {
                 ),
             ),
             Of::LimitsNotProved { .. } => (WarningCode::LimitsNotProved, fact),
+            Of::AboveLowerBound { .. } => (WarningCode::AboveLowerBound, fact),
             Of::RoundingExceedsTolerance { .. } => {
                 let advice = "send more `decimals`, or a larger `tolerance_mm`";
                 (WarningCode::RoundingExceedsTolerance, format!("{fact}: {advice}"))

@@ -57,6 +57,8 @@ pub enum WarningCode {
     ToleranceExceeded,
     /// Where the tool axis passes a pole of the machine, the limits of the axes are not proved.
     LimitsNotProved,
+    /// The motion takes over 5 % longer than the proved lower bound of its time.
+    AboveLowerBound,
     /// The cutter is too large for some of the contour.
     ContourNotReached,
     /// The program starts no spindle.

@@ -1,8 +1,8 @@
 //! Proves that a motion keeps its limits at every place of a piece.
 //!
 //! # Method
-//! 1. In each interval of the motion, balls enclose the Taylor coefficients of tip and axis. The
-//!    kinematics of the machine turns them into balls around the coefficients of all axes
+//! 1. In each interval of the motion and on each span, balls enclose the Taylor coefficients of tip and axis.
+//!    The kinematics of the machine turns them into balls around the coefficients of all axes
 //!    ([`Machine::coefficients`]).
 //! 2. These bound the use of the limits over the interval ([`Schedule::slowdown_for`]).
 //! 3. An interval whose bound is far above what is used in the middle of any interval is halved.
@@ -64,7 +64,7 @@ impl Path<'_> {
         let mut most_used = 0.0_f64;
         let (mut span, mut station) = (0, 0);
         let mut open = Vec::new();
-        for (k, interval) in schedule.intervals().enumerate() {
+        for (k, interval) in self.divided(schedule) {
             budget.check()?;
             let middle = 0.5 * (interval[0] + interval[1]);
             while self.piece.spans[span].to < middle && span + 1 < self.piece.spans.len() {
@@ -114,9 +114,26 @@ impl Path<'_> {
         Ok(proof)
     }
 
+    /// The intervals of the motion, each divided at the ends of spans inside it.
+    fn divided(&self, schedule: &Schedule) -> Vec<(usize, [f64; 2])> {
+        let spans = &self.piece.spans;
+        let mut ends = spans[..spans.len() - 1].iter().map(|span| span.to).peekable();
+        let mut divided = Vec::with_capacity(spans.len());
+        for (k, [mut from, to]) in schedule.intervals().enumerate() {
+            while let Some(end) = ends.next_if(|end| *end < to) {
+                if end > from {
+                    divided.push((k, [from, end]));
+                    from = end;
+                }
+            }
+            divided.push((k, [from, to]));
+        }
+        divided
+    }
+
     /// All coordinates and the point that moves at the feed, over a range inside a span. `None` where the
     /// range may touch the pole.
-    fn expansions(
+    pub(super) fn expansions(
         &self,
         span: usize,
         range: [f64; 2],

@@ -5,9 +5,8 @@
 //!    of the path come from the quintic between the nodes.
 //! 2. Where a limit is exceeded, divide it by the excess at both ends of the interval.
 
-use super::grid;
 use super::rows::Rows;
-use super::station::{Limits, Station, TipLimits};
+use super::station::{Limits, Station, TipLimits, between};
 
 /// Where the limits are evaluated, as parts of an interval.
 const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
@@ -33,7 +32,7 @@ pub fn tighten(
         let second = (states[k + 1][1] - slope) / h;
         for part in PLACES {
             let x = part * h;
-            let node = grid::between(&nodes[k], &nodes[k + 1], nodes[k].u + x);
+            let node = between(&nodes[k], &nodes[k + 1], nodes[k].u + x);
             let state = [b + x * (slope + 0.5 * x * second), slope + x * second, second];
             for (factor, used) in factors[k].iter_mut().zip(used(&node, state, limits, tip)) {
                 *factor = factor.max(used);

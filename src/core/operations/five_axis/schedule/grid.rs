@@ -8,11 +8,11 @@
 //!    at both stations.
 //!
 //! # Guarantees
-//! Each station is a node. The derivatives are exact if each coordinate is a polynomial of degree 6 or less
-//! between two stations.
+//! Each station is a node, or of very many each that the motion needs. The derivatives are exact if each
+//! coordinate is a polynomial of degree 6 or less between two stations.
 
 use super::resolution;
-use super::station::{Derivatives, Limits, Station, TipLimits};
+use super::station::{Limits, Station, TipLimits, between};
 
 /// The longest interval, as a part of its distance from the end. Smaller parts give faster starts: 0.1
 /// loses 1 % of the time to reach full speed, and adds some 100 nodes to a path.
@@ -30,13 +30,14 @@ const FIRST_AT_LEAST: f64 = 1e-4;
 /// Without this least part, the intervals of an end that gains no speed would never get there.
 const FIRST_OF_PATH: f64 = 1e-7;
 
-/// Places that are nearer than `ONE_PLACE` of the interval between two stations, or than `ROUNDING` of their
-/// parameters, give one node: the distances from both ends lead to the same places but for rounding.
-const ONE_PLACE: f64 = 1e-6;
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// A place is left out if it is nearer to a station or to another place than this part of the longest
+/// interval there. Beside an interval that is much shorter, limits of jerk at its ends would hold the motion
+/// down.
+const NEAREST: f64 = 0.3;
 
 /// The nodes of `stations`, which are at least two.
 pub fn nodes(stations: &[Station], limits: &[Limits], tip: Option<&TipLimits>) -> Vec<Station> {
+    let stations = &*resolution::needed(stations, limits);
     let (Some(first), Some(last)) = (stations.first(), stations.last()) else {
         return Vec::new();
     };
@@ -77,16 +78,17 @@ fn resolved(nodes: &[Station], limits: &[Limits]) -> Vec<Station> {
     more
 }
 
-/// The stations, and nodes at the `places` between them. Places that nearly coincide give one node.
+/// The stations, and nodes at the `places` between them that are not too near to others.
 fn at_places(stations: &[Station], places: &[f64]) -> Vec<Station> {
     let mut nodes: Vec<Station> = Vec::with_capacity(places.len());
     let mut places = places.iter().peekable();
+    let ends = [stations[0].u, stations[stations.len() - 1].u];
     for pair in stations.windows(2) {
         let [from, to] = pair else { continue };
         nodes.push(from.clone());
-        let apart = (ONE_PLACE * (to.u - from.u)).max(ROUNDING * (from.u.abs() + to.u.abs()));
         let mut before = from.u;
         while let Some(u) = places.next_if(|&&u| u < to.u) {
+            let apart = NEAREST * STEP * (u - ends[0]).min(ends[1] - u);
             if u - before > apart && to.u - u > apart {
                 nodes.push(between(from, to, *u));
                 before = *u;
@@ -146,42 +148,4 @@ fn first_interval(end: &Station, limits: &[Limits], tip: Option<&TipLimits>, len
     let full = acceleration.powi(3) / (6.0 * jerk * jerk);
     let full = if full.is_nan() { 0.0 } else { full };
     (FIRST * full).clamp(FIRST_AT_LEAST * gain, FIRST * gain).max(FIRST_OF_PATH * length)
-}
-
-/// A node between two stations.
-pub fn between(from: &Station, to: &Station, u: f64) -> Station {
-    let length = to.u - from.u;
-    let part = ((u - from.u) / length).clamp(0.0, 1.0);
-    let coordinates =
-        from.coordinates.iter().zip(&to.coordinates).map(|(a, b)| derivatives(a, b, length, part)).collect();
-    // The square of the cap is linear between stations.
-    let square = (1.0 - part) * from.speed_cap.powi(2) + part * to.speed_cap.powi(2);
-    Station { u, speed_cap: square.sqrt(), coordinates }
-}
-
-/// The derivatives in an interval, from those at its ends: the first one is a quintic.
-fn derivatives(a: &Derivatives, b: &Derivatives, length: f64, part: f64) -> Derivatives {
-    let (h, hh) = (length / 5.0, length * length / 20.0);
-    let mut points = [
-        a.first,
-        a.first + h * a.second,
-        a.first + 2.0 * h * a.second + hh * a.third[1],
-        b.first - 2.0 * h * b.second + hh * b.third[0],
-        b.first - h * b.second,
-        b.first,
-    ];
-    // De Casteljau's algorithm, as far as a parabola.
-    for count in (3..6).rev() {
-        for k in 0..count {
-            points[k] += part * (points[k + 1] - points[k]);
-        }
-    }
-    let [p, q, r, ..] = points;
-    let (left, right) = (p + part * (q - p), q + part * (r - q));
-    let third = 20.0 * (r - 2.0 * q + p) / (length * length);
-    Derivatives {
-        first: left + part * (right - left),
-        second: 5.0 * (right - left) / length,
-        third: [third, third],
-    }
 }

@@ -11,13 +11,13 @@
 //! # Guarantees
 //! All limits hold at the nodes after each step, so that the search may end at any step.
 
+use super::least_squares::LeastSquares;
 use super::newton::{Local, Step};
 use super::rows::{Rows, dot};
 use crate::budget::{Budget, Stopped};
-use crate::operations::five_axis::banded_matrix::BandedMatrix;
 
-/// The most steps. A search takes 15 to 30; more steps gain less than 1 % of the time.
-const STEPS: usize = 60;
+/// The most steps. A search takes 15 to 40, and more from a start that is very slow.
+const STEPS: usize = 150;
 
 /// The time that the search leaves, as a part of the whole. A smaller part costs a step for each factor of 3.
 const GAP: f64 = 5e-4;
@@ -46,9 +46,9 @@ struct Search<'a> {
     /// b and b' at the nodes, of m and of its change.
     states: Vec<[f64; 2]>,
     state_changes: Vec<[f64; 2]>,
-    band: BandedMatrix<3>,
-    /// The gradients of the time and of the sum of the logarithms of the limits.
-    sides: Vec<[f64; 2]>,
+    equations: LeastSquares,
+    /// The steps down the gradients of the time and of the sum of the logarithms of the limits.
+    steps: Vec<[f64; 2]>,
 }
 
 /// The fastest control values that the search finds from `m`, which is within the limits. `gap` estimates the
@@ -68,8 +68,8 @@ pub fn fastest(rows: &Rows, m: Vec<f64>, gap: f64, budget: &Budget) -> Result<Ve
         changes: vec![0.0; size],
         states: Vec::new(),
         state_changes: Vec::new(),
-        band: BandedMatrix::zeros(last),
-        sides: vec![[0.0; 2]; last],
+        equations: LeastSquares::new(last),
+        steps: vec![[0.0; 2]; last],
     };
     search.run(gap, budget)?;
     Ok(search.m)
@@ -88,12 +88,12 @@ impl Search<'_> {
         for _ in 0..STEPS {
             budget.check()?;
             // Not a number ends the search as well.
-            if gap.is_nan() || gap <= GAP * self.time() || !self.band.factor() {
+            if gap.is_nan() || gap <= GAP * self.time() || self.equations.solve(&mut self.steps).is_none() {
                 break;
             }
-            self.band.solve(&mut self.sides);
             let mu = shrink * gap / count;
-            let change: Vec<f64> = self.sides.iter().map(|[time, logs]| mu * logs - time).collect();
+            // The sides of the equations are minus the gradients.
+            let change: Vec<f64> = self.steps.iter().map(|[time, logs]| time - mu * logs).collect();
             let step = self.step(&change, mu);
             for (multiplier, change) in self.multipliers.iter_mut().zip(&self.changes) {
                 *multiplier += step.dual * change;
@@ -139,10 +139,7 @@ impl Search<'_> {
     fn assemble(&mut self) -> (f64, f64) {
         let rows = self.rows;
         let last = rows.lengths.len();
-        self.band.clear();
-        self.sides.fill([0.0; 2]);
-        self.band.add(0, 0, 1.0);
-        self.band.add(last - 1, 0, 1.0);
+        self.equations.clear();
         let mut multipliers = self.multipliers.iter().copied();
         let (mut gap, mut least) = (0.0, f64::INFINITY);
         for k in 1..last - 1 {
@@ -181,7 +178,10 @@ impl Search<'_> {
                 } else {
                     [[0.0, 0.0, curve[0]], [value[0], slope[0], curve[1]], [value[1], slope[1], curve[2]]]
                 };
-                add(&mut self.band, &mut self.sides, k, &local, &map);
+                for ([b, slope, second], sides) in local.equations() {
+                    let row = map.map(|own| own[0] * b + own[1] * slope + own[2] * second);
+                    self.equations.add(k - 1, (row, sides));
+                }
                 gap += local.gap;
                 least = local.least.min(least);
             }
@@ -190,14 +190,12 @@ impl Search<'_> {
             let mut local = Local::new();
             local.cap(m, rows.middle_cap(k), multipliers.next().unwrap_or(0.0));
             let positive = multipliers.next().unwrap_or(0.0);
-            self.band.add(k, 0, local.curvature[0] + positive / m);
-            self.sides[k][1] += local.logs[0] + 1.0 / m;
-            gap += local.gap + positive * m;
-            least = local.least.min(least).min(m);
+            local.positive(m, positive);
+            let [.., ([by_m, ..], sides)] = local.equations();
+            self.equations.add(k, ([by_m, 0.0, 0.0], sides));
+            gap += local.gap;
+            least = local.least.min(least);
         }
-        // The first and the last control value stay 0.
-        self.sides[0] = [0.0; 2];
-        self.sides[last - 1] = [0.0; 2];
         (gap, least)
     }
 
@@ -248,23 +246,5 @@ impl Search<'_> {
             next(&mut |l| step.linear(m, dm, l));
         }
         step
-    }
-}
-
-/// Adds the limits at one end of interval k to the equations. Row i of `map` is the state for a value of 1 of
-/// the control value k - 1 + i alone.
-fn add(band: &mut BandedMatrix<3>, sides: &mut [[f64; 2]], k: usize, local: &Local, map: &[[f64; 3]; 3]) {
-    let [q00, q01, q02, q11, q12, q22] = local.curvature;
-    for (i, t) in map.iter().enumerate() {
-        let product = [
-            q00 * t[0] + q01 * t[1] + q02 * t[2],
-            q01 * t[0] + q11 * t[1] + q12 * t[2],
-            q02 * t[0] + q12 * t[1] + q22 * t[2],
-        ];
-        for (j, other) in map.iter().enumerate().take(i + 1) {
-            band.add(k - 1 + i, i - j, dot(other, &product));
-        }
-        sides[k - 1 + i][0] += local.time * t[0];
-        sides[k - 1 + i][1] += dot(t, &local.logs);
     }
 }

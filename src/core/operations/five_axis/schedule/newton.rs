@@ -3,19 +3,25 @@
 //! A limit is c = 1 - f |g|^2 >= 0. Each component of g is a row times the state (b, b', b''). The factor f
 //! is b for jerk and 1 for acceleration. A cap is c = 1 - b / cap >= 0.
 
+use super::least_squares::Equation;
 use super::rows::{State, dot};
 
 /// The part of a limit that a step leaves. A smaller part allows longer steps, but leads closer to the
 /// limits.
 const LEFT: f64 = 0.05;
 
+/// What is left of a pivot below this part of it is rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Halvings of a step that passes a limit: 12 find the largest step to 1/4000.
 const HALVINGS: usize = 12;
 
 /// The sum of the limits, as functions of the state at one end of an interval.
 pub struct Local {
-    /// The upper triangle of the matrix.
-    pub curvature: [f64; 6],
+    /// The upper triangle of the matrix of the limits of jerk and acceleration.
+    curvature: [f64; 6],
+    /// The curvature by b of the time and of the caps.
+    by_b: f64,
     /// The derivative of the time by b.
     pub time: f64,
     /// The gradient of the sum of the logarithms of the limits.
@@ -28,7 +34,7 @@ pub struct Local {
 
 impl Local {
     pub fn new() -> Self {
-        Self { curvature: [0.0; 6], time: 0.0, logs: [0.0; 3], gap: 0.0, least: f64::INFINITY }
+        Self { curvature: [0.0; 6], by_b: 0.0, time: 0.0, logs: [0.0; 3], gap: 0.0, least: f64::INFINITY }
     }
 
     /// Adds the limit with the rows `rows`. `by_b` is the derivative of f by b: 1 or 0.
@@ -60,17 +66,47 @@ impl Local {
     /// Adds the limit of a value by a cap.
     pub fn cap(&mut self, value: f64, cap: f64, l: f64) {
         let c = 1.0 - value / cap;
-        self.curvature[0] += l / (c * cap * cap);
+        self.by_b += l / (c * cap * cap);
         self.logs[0] -= 1.0 / (c * cap);
         self.gap += l * c;
         self.least = c.min(self.least);
+    }
+
+    /// Adds the limit that a value stays above 0.
+    pub fn positive(&mut self, value: f64, l: f64) {
+        self.by_b += l / value;
+        self.logs[0] += 1.0 / value;
+        self.gap += l * value;
+        self.least = value.min(self.least);
     }
 
     /// Adds the time weight / sqrt(b), with a part of its curvature.
     pub fn time(&mut self, b: f64, weight: f64, part: f64) {
         let slope = -0.5 * weight / (b * b.sqrt());
         self.time += slope;
-        self.curvature[0] -= part * 1.5 * slope / b;
+        self.by_b -= part * 1.5 * slope / b;
+    }
+
+    /// The Newton equations by the state as least-squares equations: their sum of squares has the same matrix
+    /// and the same gradients, of the time and of the logarithms.
+    #[inline(always)]
+    pub fn equations(&self) -> [Equation; 3] {
+        let [q00, q01, q02, q11, q12, q22] = self.curvature;
+        let gradient = |k: usize| [if k == 0 { self.time } else { 0.0 }, self.logs[k]];
+        let scaled = |pivot: f64, whole: f64| if pivot > ROUNDING * whole { 1.0 / pivot.sqrt() } else { 0.0 };
+        let times = |factor: f64, by: [f64; 2]| by.map(|own| -factor * own);
+        // Cholesky's factors from b'' down to b, which has curvature of its own.
+        let f = scaled(q22, 0.0);
+        let (a0, a1, a2) = (q02 * f, q12 * f, q22 * f);
+        let side_a = times(f, gradient(2));
+        let g = scaled(q11 - a1 * a1, q11);
+        let (b0, b1) = ((q01 - a0 * a1) * g, (q11 - a1 * a1) * g);
+        let rest = |k: usize, by: f64| [0, 1].map(|n| gradient(k)[n] + by * side_a[n]);
+        let side_b = times(g, rest(1, a1));
+        let q00 = (q00 - a0 * a0 - b0 * b0).max(0.0) + self.by_b;
+        let h = scaled(q00, 0.0);
+        let side_c = times(h, [0, 1].map(|n| rest(0, a0)[n] + b0 * side_b[n]));
+        [([a0, a1, a2], side_a), ([b0, b1, 0.0], side_b), ([q00 * h, 0.0, 0.0], side_c)]
     }
 
     /// Adds the square of the product with v, times a weight.

@@ -50,7 +50,9 @@ pub enum ScheduleError {
     NotFinite { station: usize },
     #[error("the parameter does not grow from station {} to station {station}", station - 1)]
     NotIncreasing { station: usize },
-    #[error("no coordinate moves at station {station}: every first derivative is 0; change the parameter")]
+    #[error(
+        "nothing bounds the speed at station {station}: it has no cap, and every first derivative is 0; change the parameter"
+    )]
     StandsStill { station: usize },
     #[error("the speed cap of station {station} is not above 0")]
     NoSpeed { station: usize },
@@ -64,6 +66,44 @@ pub enum ScheduleError {
     OutOfRange,
     #[error(transparent)]
     Stopped(#[from] Stopped),
+}
+
+/// A node between two stations.
+pub fn between(from: &Station, to: &Station, u: f64) -> Station {
+    let length = to.u - from.u;
+    let part = ((u - from.u) / length).clamp(0.0, 1.0);
+    let coordinates =
+        from.coordinates.iter().zip(&to.coordinates).map(|(a, b)| derivatives(a, b, length, part)).collect();
+    // The square of the cap is linear between stations.
+    let square = (1.0 - part) * from.speed_cap.powi(2) + part * to.speed_cap.powi(2);
+    Station { u, speed_cap: square.sqrt(), coordinates }
+}
+
+/// The derivatives in an interval, from those at its ends: the first one is a quintic.
+fn derivatives(a: &Derivatives, b: &Derivatives, length: f64, part: f64) -> Derivatives {
+    let (h, hh) = (length / 5.0, length * length / 20.0);
+    let mut points = [
+        a.first,
+        a.first + h * a.second,
+        a.first + 2.0 * h * a.second + hh * a.third[1],
+        b.first - 2.0 * h * b.second + hh * b.third[0],
+        b.first - h * b.second,
+        b.first,
+    ];
+    // De Casteljau's algorithm, as far as a parabola.
+    for count in (3..6).rev() {
+        for k in 0..count {
+            points[k] += part * (points[k + 1] - points[k]);
+        }
+    }
+    let [p, q, r, ..] = points;
+    let (left, right) = (p + part * (q - p), q + part * (r - q));
+    let third = 20.0 * (r - 2.0 * q + p) / (length * length);
+    Derivatives {
+        first: left + part * (right - left),
+        second: 5.0 * (right - left) / length,
+        third: [third, third],
+    }
 }
 
 /// Checks the stations and the limits.
@@ -101,7 +141,7 @@ pub fn check(stations: &[Station], limits: &[Limits], tip: Option<&TipLimits>) -
         if s.speed_cap <= 0.0 {
             return Err(ScheduleError::NoSpeed { station });
         }
-        if s.coordinates.iter().all(|d| d.first == 0.0) {
+        if s.speed_cap.is_infinite() && s.coordinates.iter().all(|d| d.first == 0.0) {
             return Err(ScheduleError::StandsStill { station });
         }
         if station > 0 && s.u <= stations[station - 1].u {

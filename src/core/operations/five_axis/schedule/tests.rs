@@ -187,7 +187,11 @@ fn faults_are_refused_with_their_station() {
         change(&mut stations);
         run(&stations, &[AXIS]).unwrap_err()
     };
-    assert_eq!(with(&|s| s[2].coordinates[0].first = 0.0), ScheduleError::StandsStill { station: 2 });
+    let stands_still = |s: &mut Vec<Station>| {
+        s[2].coordinates[0].first = 0.0;
+        s[2].speed_cap = f64::INFINITY;
+    };
+    assert_eq!(with(&stands_still), ScheduleError::StandsStill { station: 2 });
     assert_eq!(with(&|s| s[3].u = 1.0), ScheduleError::NotIncreasing { station: 3 });
     assert_eq!(with(&|s| s[1].speed_cap = 0.0), ScheduleError::NoSpeed { station: 1 });
     assert_eq!(with(&|s| s[1].coordinates[0].second = f64::NAN), ScheduleError::NotFinite { station: 1 });

@@ -66,6 +66,8 @@ proptest! {
             Ok(plan) => {
                 prop_assert!(!plan.samples.is_empty());
                 prop_assert_eq!(plan.report.axis_peaks.len(), 5);
+                let bound = plan.report.cycle_time_lower_bound_s.unwrap();
+                prop_assert!(plan.report.cycle_time_s >= bound);
                 for sample in &plan.samples {
                     assert!(sample.t_s.is_finite() && sample.pose.tip.iter().all(|x| x.is_finite()));
                     let found = job.machine.as_ref().unwrap().forward(&sample.joints.unwrap());

@@ -6,8 +6,8 @@
 //! into a banded linear system for c, whose matrix is factored once, and projections into balls. Tip and top
 //! are independent of each other and share the matrix. Both are scaled so that their balls have the radius 1.
 //!
-//! Of a hundred fit points to a span or more, some are enough: those that the spline then misses join them, until
-//! it misses none.
+//! Of a hundred fit points to a span or more, some are enough: those that the spline then misses join them,
+//! until it misses none.
 //!
 //! # Cost
 //! O(n) for n fit points that count in each iteration.

@@ -136,8 +136,9 @@ impl Swept {
         least_mean(&at[..n])
     }
 
-    /// A piece along which the cutter sweeps a convex solid, in place of `path`, with an error in mm. Every
-    /// point of the part is at most the error farther from what is swept along `path` than from that solid.
+    /// A piece along which the cutter sweeps a convex solid, in place of `path`, and an error in mm. For
+    /// every point of the part, take its distance from that solid and add the error: the point is no farther
+    /// away from what the cutter sweeps along `path`.
     ///
     /// The solid swept along a line is convex. So is the solid above an arc that bends up like a valley. Any
     /// other arc is replaced by the chord under the part, and the height of the chord is added.

@@ -138,9 +138,9 @@ impl<R: Reach> Search<'_, R> {
         self.reach.is_reached(&place.jet.point, &normal, place.distance, self.budget)
     }
 
-    /// Tries the four corners of a part. Returns whether one of them is reached. A corner counts as reached
-    /// if at most `enough` mm is left there, or if the cutter can reach it. Records in `found` what is left
-    /// at reached corners. The search for the nearest piece of a pass begins at `piece`.
+    /// Tries the four corners of a part. Returns whether one of them is reached: at most `enough` mm of
+    /// material is left there, or the cutter can come there without a gouge. `found` gets the material that
+    /// is left at such corners. The search for the nearest piece of a pass begins at `piece`.
     fn finds_corner(
         &self,
         part: &impl Patch,

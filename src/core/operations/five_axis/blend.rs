@@ -82,7 +82,7 @@ fn proved(
     seen: Deviation,
     tolerance: Deviation,
 ) -> Option<Deviation> {
-    // What is seen is enough to refuse.
+    // A blend that leaves the tolerance at one of the tried places needs no proof: it is refused.
     if seen.of(tolerance) > 1.0 {
         return None;
     }

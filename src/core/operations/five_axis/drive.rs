@@ -104,8 +104,8 @@ impl<'a> Drive<'a> {
         for (piece, stations) in rail.pieces.iter().zip(stations) {
             let passages = passages(&piece.spans, machine);
             let path = Path { piece, passages, stations, machine, rests: piece.rests() };
-            let Timed { path, schedule, gap } = path.scheduled(&limits, budget)?;
-            drive.least_time_s += path.least_time_s(&path.rows(&limits)?, &limits, budget)?;
+            let Timed { path, rows, schedule, gap } = path.scheduled(&limits, budget)?;
+            drive.least_time_s += path.least_time_s(&rows, &limits, budget)?;
             drive.gap = drive.gap.or(gap);
             let begins_s = drive.duration_s;
             drive.duration_s += schedule.duration_s();
@@ -221,6 +221,8 @@ struct Path<'a> {
 /// The motion along one piece, within the limits.
 struct Timed<'a> {
     path: Path<'a>,
+    /// The derivatives at the stations.
+    rows: Vec<Station>,
     schedule: Schedule,
     /// The first place around which the limits are not proved.
     gap: Option<Point3<f64>>,
@@ -246,15 +248,15 @@ impl<'a> Path<'a> {
 
     /// The motion with the given stations, and the intervals between stations for which it was slowed.
     fn fastest(self, axes: &Axes, budget: &Budget) -> Result<(Timed<'a>, Vec<usize>), FiveAxisError> {
-        let stations = self.rows(axes)?;
+        let rows = self.rows(axes)?;
         let found =
-            schedule(&stations, &axes.limits, axes.tip.as_ref(), budget).map_err(|error| match error {
+            schedule(&rows, &axes.limits, axes.tip.as_ref(), budget).map_err(|error| match error {
                 ScheduleError::Stopped(stopped) => FiveAxisError::Stopped(stopped),
                 error => FiveAxisError::NotScheduled { error, at: tip(&self.piece.spans[0].start()).into() },
             })?;
         let Proof { slowdown, tight, gap } = self.proof(&found, axes, budget)?;
         let schedule = if slowdown > 1.0 { found.slowed(slowdown) } else { found };
-        Ok((Timed { path: self, schedule, gap }, tight))
+        Ok((Timed { path: self, rows, schedule, gap }, tight))
     }
 
     /// The derivatives at the stations.

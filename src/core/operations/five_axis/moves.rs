@@ -209,8 +209,9 @@ fn bends(span: &Span) -> Deviation {
     for p in &span.control {
         shortest = shortest.min(top(p).norm());
     }
-    // An eighth of the second derivative bounds the height. That of a quintic has 20 times the second
-    // differences.
+    // The height of a chord is at most an eighth of the second derivative times the square of the length. The
+    // second derivative of a quintic is at most 20 times the second differences of its control points, by the
+    // same square.
     Deviation { tip_mm: 2.5 * of_tip, axis: 2.5 * of_top / shortest }
 }
 
@@ -219,7 +220,8 @@ fn chords(bends: Deviation, allowed: Deviation) -> usize {
     bends.of(allowed).sqrt().ceil().clamp(1.0, MOST_CHORDS) as usize
 }
 
-/// The heights of so many chords of a span.
+/// How far a span that is divided into `count` chords leaves them: the height falls with the square of
+/// `count`.
 fn heights(bends: Deviation, count: usize) -> Deviation {
     let part = 1.0 / (count * count) as f64;
     Deviation { tip_mm: bends.tip_mm * part, axis: bends.axis * part }

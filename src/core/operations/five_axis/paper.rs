@@ -22,8 +22,8 @@
 //! * (12) points inward: the correction goes the other way. With theta as the interior angle, (13) is
 //!   13/48 L tan(phi/2) for the turn phi. It is computed from the cross product, so that it vanishes on
 //!   lines.
-//! * Where the axis never turns, the top points are those of the bottom moved along it: corrections that are
-//!   clamped to different sizes would lean the axis.
+//! * If the axis never turns, each top point is its bottom point moved along the axis. The corrections of top
+//!   and bottom are clamped by different tolerances, and the difference would lean the axis.
 //! * (6) starts with degree 0, and the last interval is closed.
 //!
 //! # Reference

@@ -3,9 +3,9 @@
 //! # Method
 //! 1. From one station to the next no motion is faster than the feed over the chord of the tip, or than an
 //!    axis at its largest speed over the difference of its positions.
-//! 2. At a station, accelerations bound the square of the speed: those of two axes leave a parallelogram of
-//!    squares and their slopes. From one station to the next, the square of the speed of an axis grows by at
-//!    most twice its acceleration times its way. Passes from both ends carry the bounds on.
+//! 2. At a station, the limits of acceleration of two axes together bound the square of the speed. From one
+//!    station to the next, the square of the speed of an axis grows by at most twice its acceleration times
+//!    its way. Passes from both ends of the path apply this to all stations.
 //! 3. From a rest to a station, no motion is faster than the [`SCurve`] of an axis; from rest to rest none is
 //!    faster than its fastest motion. The sum of a curve at each end and of the times between them counts, at
 //!    the stations where it is largest.
@@ -73,10 +73,9 @@ impl Path<'_> {
         let places = self.places(axes);
         let mut intervals = self.intervals(&places, axes, budget)?;
         bound_by_acceleration(&mut intervals, &places, stations, axes);
-        let seconds: Vec<f64> = intervals.iter().map(|own| own.seconds).collect();
         let forward: (Vec<&Standing>, Vec<&Interval>) = (places.iter().collect(), intervals.iter().collect());
         let backward = (places.iter().rev().collect(), intervals.iter().rev().collect());
-        let whole: f64 = seconds.iter().sum();
+        let whole: f64 = intervals.iter().map(|own| own.seconds).sum();
         let starts = gains(&forward, axes);
         let last = places.len() - 1;
         let ends: Vec<(usize, f64)> =
@@ -215,7 +214,8 @@ fn ceiling(station: &Station, axes: &Axes, limited: &[usize]) -> f64 {
     most
 }
 
-/// The limits of all coordinates with the largest of their speeds over `intervals`, and those of the tip.
+/// The limits of each coordinate, and those of the tip. Their speeds are the largest that the feed and the
+/// limits allow anywhere in `intervals`.
 fn paced_limits(intervals: &[&Interval], axes: &Axes) -> (Vec<Limits>, Option<Limits>) {
     let fastest = |k: usize| intervals.iter().map(|own| own.speeds[k]).fold(0.0, f64::max);
     let limits = axes.limits.iter().enumerate().map(|(k, own)| Limits { speed: fastest(k), ..*own });

@@ -1,10 +1,10 @@
 //! The fastest motions of one coordinate from rest, within limits of speed, acceleration and jerk.
 //!
 //! # Guarantees
-//! The speed v of a motion from rest is at most the jerk times the time, and its acceleration a is at most
-//! the root of twice the jerk times what is left to the largest speed, or the speed would exceed it later.
-//! [`SCurve`] is the solution of these two inequalities with the largest v at every time: no other motion
-//! from rest is farther at any time.
+//! With the largest jerk j and the largest speed V, a motion from rest has at the time t an acceleration of
+//! at most j t. At the speed v its acceleration is at most the root of 2 j (V - v): a larger one cannot fall
+//! to 0 before the speed exceeds V. [`SCurve`] has the largest acceleration that these two inequalities and
+//! its own limit allow, so no other motion from rest is faster or farther at any time.
 
 use crate::operations::five_axis::schedule::Limits;
 

@@ -10,7 +10,8 @@ use super::rows::{State, dot};
 /// limits.
 const LEFT: f64 = 0.05;
 
-/// What is left of a pivot below this part of it is rounding.
+/// A pivot counts as 0 if eliminations have made it smaller than this part of its first value: such a rest is
+/// rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Halvings of a step that passes a limit: 12 find the largest step to 1/4000.

@@ -35,7 +35,7 @@ pub fn parts(from: &Station, middle: &Station, to: &Station, limits: &[Limits]) 
     (most / EXCESS).sqrt().ceil().clamp(1.0, MOST) as usize
 }
 
-/// Paths of at most so many stations keep all of them.
+/// A path with at most this number of stations keeps all stations.
 const KEPT: usize = 4000;
 
 /// The most stations between two that stay: a power of two.
@@ -82,7 +82,8 @@ fn is_smooth(stations: &[Station], limits: &[Limits]) -> bool {
     })
 }
 
-/// The estimated excess of the limits of acceleration and jerk where the derivatives are other by so much.
+/// By which part acceleration or jerk may exceed its limit if the three derivatives of a coordinate differ by
+/// these amounts from what the search knows. The motion has at most this square of the speed and this slope.
 fn excess([first, second, third]: [f64; 3], [square, slope]: [f64; 2], l: &Limits) -> f64 {
     let acceleration = second * square + 0.5 * first * slope;
     let jerk = third * square.powf(1.5) + 1.5 * second * slope * square.sqrt();

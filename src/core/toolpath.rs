@@ -25,4 +25,4 @@ pub mod tool;
 pub mod tool_axes;
 pub mod units;
 
-pub use path::{Builder, Move, Pass, PathError, Role, Toolpath};
+pub use path::{Builder, Move, Pass, PathError, Role, RotaryPositions, Toolpath};

@@ -74,10 +74,7 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     say("ROUNDING", format!("WITHIN {:.4} MM{axis} OF THE TOOLPATH", rounded_up(lowered.displacement_mm)));
     if let Slowed { blocks: blocks @ 1.., by_s } = lowered.slowed {
         let by_s = rounded_up(by_s);
-        say(
-            WARNING,
-            format!("{blocks} BLOCKS UNDER G93 ARE TOO SHORT FOR THE CONTROL AND TAKE {by_s:.3} S LONGER"),
-        );
+        say(WARNING, format!("{blocks} BLOCKS ARE TOO SHORT FOR THE LARGEST F AND TAKE {by_s:.3} S LONGER"));
     }
     for warning in job.warnings {
         // No control keeps a colon in a comment.

@@ -140,6 +140,8 @@ pub enum PathFault {
     NoAxis,
     #[error("no feed is known here")]
     NoFeed,
+    #[error("under G93 every cut needs its own F: one by the minutes that the block takes")]
+    NoBlockTime,
     #[error("the feed {0} is no feed")]
     BadFeed(f64),
     #[error("a feed by turns of the spindle needs a spindle speed before it")]

@@ -3,22 +3,26 @@
 //! # Method
 //! 1. Every move becomes straight motions between poses ([`legs`]): the tip on a line, the axis on a great
 //!    circle in step with it. Curves are divided, because a control runs no arc in step with an axis.
-//! 2. [`Machine::follow`] chooses the angles of the rotary axes over the whole toolpath.
+//! 2. Where the toolpath holds the positions of the rotary axes, they are written. Otherwise
+//!    [`Machine::follow`] chooses them over the whole toolpath.
 //! 3. A control that is told angles moves all five axes, or the tip and both angles, in step. Between two
 //!    blocks the tool strays from the straight motion ([`Machine::straying`]). A motion is halved until it
-//!    strays by no more than the job allows.
+//!    strays by no more than the job allows. Motions with positions were divided when they were chosen.
 //! 4. Positions are rounded to the decimals of the program.
 //!
 //! # Guarantees
 //! * At every moment the written tip is within [`Posed::displacement_mm`] of the toolpath, and the written
 //!   axis within `displacement_axis`, rounding counted. For [`AxisOutput::Vectors`] this holds on a control
 //!   that turns the axis on the great circle.
+//! * Where positions are stated, no axis is faster than [`FiveAxes::speeds`] at the feed or the time of its
+//!   block, rounding counted: a block that would ask for more is slowed.
 //! * A rapid of the toolpath is a line at the rapid feed: a machine does not run the rapid of five axes
 //!   straight. Only the way to the first pose and the way up at the end are rapids.
 //!
 //! # Cost
 //! O(n) for n blocks.
 
+mod feeds;
 mod legs;
 mod slowed;
 
@@ -29,7 +33,7 @@ pub use self::slowed::Slowed;
 use super::block::{AxisWords, Block, BlockFeed, Blocks};
 use super::dialect::{AxisOutput, Turns};
 use super::rails::{self, FineGrid, RailWords, Rounded};
-use super::words::{self, FeedWord};
+use super::words;
 use super::{BLOCKS_BETWEEN_CHECKS, MAX_BLOCKS, ProgramJob, WriteError};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::machine::{AxisPositions, Machine, Straying};
@@ -48,13 +52,13 @@ pub struct FiveAxes<'a> {
     pub machine: Option<&'a Machine>,
     /// How far the tool may stray from the toolpath between two blocks, before rounding.
     pub allowed: Straying,
+    /// The largest speeds of X, Y and Z, mm/s, and of the rotary axes, radians by s; infinite where there is
+    /// no limit.
+    pub speeds: [f64; 5],
 }
 
 /// The decimals of a component of a vector.
 pub const VECTOR_DECIMALS: u8 = 7;
-
-/// The shortest time of a turn, s, so that its feed in degrees per minute is a number.
-const SHORTEST_S: f64 = 1e-4;
 
 /// Halvings of one motion, at most. Each divides the straying by four.
 const MOST_HALVINGS: u32 = 16;
@@ -80,12 +84,12 @@ pub fn lower(
     budget: &Budget,
 ) -> Result<Posed, WriteError> {
     let grid = Grid::new(job.program.resolution);
-    let Legs { start, legs, delay_s } =
+    let Legs { start, rotary, legs, delay_s } =
         legs::divide(toolpath, job, 0.5 * grid.step_mm(), five.output == AxisOutput::Rails)?;
     let joints = match (five.output, five.machine) {
         (AxisOutput::Vectors | AxisOutput::Rails, _) => None,
         (_, None) => return Err(WriteError::MachineMissing),
-        (_, Some(machine)) => Some(followed(machine, &start, &legs)?),
+        (_, Some(machine)) => Some(positions(machine, (&start, rotary), &legs)?),
     };
     let mut lowering = Lowering {
         five,
@@ -100,6 +104,8 @@ pub fn lower(
         displacement_mm: 0.0,
         displacement_axis: 0.0,
         slowed: Slowed::default(),
+        capped_s: 0.0,
+        has_positions: rotary.is_some(),
     };
     let joints_at = |k: usize| joints.as_ref().map(|joints| joints[k]);
     let clearance = grid.units(job.cutting.clearance_z_mm)?;
@@ -125,13 +131,23 @@ pub fn lower(
         from = leg.to;
     }
     lowering.retract(clearance)?;
-    let Lowering { blocks, rails, displacement_mm, displacement_axis, slowed, .. } = lowering;
-    let delay_s = delay_s + slowed.by_s;
+    let Lowering { blocks, rails, displacement_mm, displacement_axis, slowed, capped_s, .. } = lowering;
+    let delay_s = delay_s + slowed.by_s + capped_s;
     Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis, delay_s, slowed })
 }
 
-/// The positions at the start and at the end of each motion.
-fn followed(machine: &Machine, start: &Pose, legs: &[Leg]) -> Result<Vec<AxisPositions>, WriteError> {
+/// The positions at the start and at the end of each motion: those of the toolpath, or chosen here.
+fn positions(
+    machine: &Machine,
+    (start, rotary): (&Pose, Option<[f64; 2]>),
+    legs: &[Leg],
+) -> Result<Vec<AxisPositions>, WriteError> {
+    let own = std::iter::once((start, rotary)).chain(legs.iter().map(|leg| (&leg.to, leg.rotary)));
+    let stated: Option<Vec<AxisPositions>> =
+        own.map(|(pose, rotary)| Some(machine.at(&pose.tip, rotary?))).collect();
+    if let Some(stated) = stated {
+        return Ok(stated);
+    }
     let poses: Vec<Pose> = std::iter::once(*start).chain(legs.iter().map(|leg| leg.to)).collect();
     machine.follow(&poses, [0.0; 2]).map_err(|error| {
         let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
@@ -154,6 +170,10 @@ struct Lowering<'a> {
     displacement_mm: f64,
     displacement_axis: f64,
     slowed: Slowed,
+    /// How much longer blocks take because an axis would have been too fast, s.
+    capped_s: f64,
+    /// Whether the positions of the rotary axes are those of the toolpath.
+    has_positions: bool,
 }
 
 impl Lowering<'_> {
@@ -245,7 +265,7 @@ impl Lowering<'_> {
         halvings: u32,
     ) -> Result<(), WriteError> {
         let strays = match joints {
-            [Some(first), Some(last)] => {
+            [Some(first), Some(last)] if !self.has_positions => {
                 let (straying, allowed) = (self.straying(&first, &last), self.five.allowed);
                 straying.tip_mm > allowed.tip_mm || straying.axis > allowed.axis
             }
@@ -262,7 +282,11 @@ impl Lowering<'_> {
         let there = match (joints, self.five.machine) {
             ([Some(first), Some(last)], Some(machine)) => {
                 let near = [0, 1].map(|k| 0.5 * (first.rotary[k] + last.rotary[k]));
-                Some(machine.nearest(&middle, near))
+                Some(if self.has_positions {
+                    machine.at(&middle.tip, near)
+                } else {
+                    machine.nearest(&middle, near)
+                })
             }
             _ => None,
         };
@@ -306,47 +330,27 @@ impl Lowering<'_> {
         };
         self.displacement_mm = self.displacement_mm.max(off.tip_mm + straying.tip_mm);
         self.displacement_axis = self.displacement_axis.max(off.axis + straying.axis);
-        let seconds = self.owed_s + time.seconds(from, to);
+        let own_s = self.owed_s + time.seconds(from, to);
         if (at, axis) == (self.at, self.axis) {
-            self.owed_s = seconds;
+            self.owed_s = own_s;
             return Ok(());
         }
-        let rests = at == self.at;
+        let least_s = self.least_s(at, axis);
+        let length_mm = (self.grid.point(at) - self.grid.point(self.at)).norm();
         self.end_rails()?;
         let was = std::mem::replace(&mut self.axis, axis);
         (self.at, self.owed_s) = (at, 0.0);
-        let feed = match time {
-            LegTime::Feed(rate) if !rests && self.five.output != AxisOutput::Machine => BlockFeed::PerMinute(
-                words::feed(rate, self.job.program.resolution.units, &self.job.dialect.numbers)?,
-            ),
-            _ => match self.job.dialect.five_axes.turns {
-                Turns::InverseTime { most } => {
-                    let numbers = &self.job.dialect.numbers;
-                    BlockFeed::InverseTime(self.slowed.inverse_time(seconds, most, numbers)?)
-                }
-                Turns::DegreesPerMinute => BlockFeed::DegreesPerMinute(self.turning(was, axis, seconds)?),
-            },
+        let per_minute = match time {
+            LegTime::Feed(rate) if length_mm > 0.0 && self.five.output != AxisOutput::Machine => {
+                self.per_minute(rate, length_mm, own_s, least_s)?
+            }
+            _ => None,
+        };
+        let feed = match per_minute {
+            Some(feed) => feed,
+            None => self.of_time(own_s, least_s, [was, axis])?,
         };
         self.blocks.push(Block::Posed { to: at, axis, feed })
-    }
-
-    /// The F word of a turn about a resting tip, in degrees by the minute: of both rotary axes together, or
-    /// of the tool axis where vectors are written.
-    fn turning(&self, from: AxisWords, to: AxisWords, seconds: f64) -> Result<FeedWord, WriteError> {
-        let degrees = match (from, to) {
-            (AxisWords::Angles(from), AxisWords::Angles(to)) => {
-                let scale = 10f64.powi(i32::from(self.job.dialect.five_axes.angle_decimals));
-                let turned = [0, 1].map(|k| (to[k] - from[k]) as f64 / scale);
-                turned[0].hypot(turned[1])
-            }
-            (AxisWords::Vector(from), AxisWords::Vector(to)) => {
-                let [from, to] = [from, to].map(axis_of);
-                angle_between(&from, &to).to_degrees()
-            }
-            _ => 0.0,
-        };
-        let rate = 60.0 * degrees / seconds.max(SHORTEST_S);
-        words::per_minute(rate, &self.job.dialect.numbers).ok_or(WriteError::Feed { mm_per_min: rate })
     }
 
     /// The positions of the axes that words state; none for vectors.

@@ -28,6 +28,7 @@ mod helices;
 mod inverse_time;
 mod parabolas;
 mod posed;
+mod positions;
 mod rails;
 mod smoothing;
 mod wrong_words;

@@ -86,6 +86,19 @@ pub fn per_minute(value: f64, numbers: &Numbers) -> Option<FeedWord> {
         .or_else(|| Some(with(most)).filter(|word| value <= MAX_FEED && agrees(word, LARGEST_FEED_ERROR)))
 }
 
+/// The word for at most a value by the minute: 0.2 % less, or as little less as the decimals of the control
+/// allow. `None` where it is too small or too large.
+pub fn per_minute_at_most(value: f64, numbers: &Numbers) -> Option<FeedWord> {
+    const LESS: f64 = 0.002;
+    let with = |decimals: u8| FeedWord {
+        digits: (value * 10f64.powi(i32::from(decimals))).floor() as i64,
+        decimals,
+    };
+    let mut words = (0..=numbers.max_feed_decimals).filter(|_| value <= MAX_FEED).map(with);
+    let last = words.clone().last().filter(|word| word.digits > 0);
+    words.find(|word| word.value() >= (1.0 - LESS) * value).or(last)
+}
+
 /// A spindle speed as digits and decimals. A whole number stays whole; other speeds are rounded to the
 /// decimals that the control reads.
 ///

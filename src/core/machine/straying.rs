@@ -3,10 +3,12 @@
 //! # Method
 //! While every axis moves at a constant speed from one position to another, the second derivatives of tip and
 //! tool axis are bounded. A curve with the second derivative d leaves the chord of its ends by at most d / 8
-//! at the same time. With W the sum of the angles, the tool axis has at most W^2. A point that a table turns
-//! by w, at the distance r of its centres, has at most w^2 r plus 2 w v for its own speed v.
+//! at the same time. The tool axis has at most t^2 + 2 t w + w^2 sin a, where t and w are the turns of the
+//! axes next to the tool and next to the workpiece, and a is its largest angle to the latter. A point that a
+//! table turns by w, at the distance r of its centres, has at most w^2 r plus 2 w v for its own speed v. The
+//! same bounds hold for the linear axes while the tip runs on a line and the angles turn in step.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use super::{AxisPositions, Machine};
 
@@ -23,14 +25,56 @@ impl Machine {
     /// Bounds of how far tip and axis leave the line and the great circle between their ends, while all axes
     /// move in step from one position to the other.
     pub fn straying(&self, from: &AxisPositions, to: &AxisPositions) -> Straying {
-        let heads = self.kind.heads();
         let turns = [0, 1].map(|k| (to.rotary[k] - from.rotary[k]).abs());
+        let bend = self.bend(turns, [from, to].map(|joints| Vector3::from(joints.linear_mm)));
+        // The axis of the control and the axis of the toolpath both bend away from the chord of the ends. The
+        // great circle of the toolpath bends no more than the motion of the control: hence twice its bend.
+        let axis = self.axis_bend(turns, [from.rotary, to.rotary]) / 4.0;
+        let axis = if axis < 1.0 { 2.0 * (0.5 * axis).asin() } else { std::f64::consts::PI };
+        Straying { tip_mm: bend / 8.0, axis }
+    }
+
+    /// Bounds of the largest speeds of X, Y, Z (mm) and the rotary axes (radians), by the part of a motion
+    /// from 0 to 1, while the tip runs on a line and the angles turn in step.
+    pub fn ways(&self, tips: [Point3<f64>; 2], rotary: [[f64; 2]; 2]) -> [f64; 5] {
+        const PARTS: u32 = 8;
+        let turns = [0, 1].map(|k| rotary[1][k] - rotary[0][k]);
+        let at = |n: u32| {
+            let part = f64::from(n) / f64::from(PARTS);
+            let angles = [0, 1].map(|k| rotary[0][k] + part * turns[k]);
+            self.at(&(tips[0] + (tips[1] - tips[0]) * part), angles).linear_mm
+        };
+        let turns = turns.map(f64::abs);
+        // Over a part, the speed differs from the mean by at most half the second derivative times the part.
+        let beside = self.bend(turns, tips.map(|tip| tip.coords)) / f64::from(2 * PARTS);
+        let mut ways = [0.0_f64; 3];
+        for n in 0..PARTS {
+            let [from, to] = [at(n), at(n + 1)];
+            for k in 0..3 {
+                ways[k] = ways[k].max((to[k] - from[k]).abs() * f64::from(PARTS) + beside);
+            }
+        }
+        [ways[0], ways[1], ways[2], turns[0], turns[1]]
+    }
+
+    /// The bound of the second derivative of the tool axis by the part of a motion in step, by the turns of
+    /// the two axes and their positions at both ends, radians.
+    fn axis_bend(&self, turns: [f64; 2], ends: [[f64; 2]; 2]) -> f64 {
+        let work = self.free_axis();
+        let [of_tool, of_work] = [turns[1 - work], turns[work]];
+        let sine = |rotary| self.tool_axis(rotary).cross(&self.lines[work].direction).norm();
+        let largest = (ends.map(sine).into_iter().fold(f64::INFINITY, f64::min) + of_tool).min(1.0);
+        of_tool * of_tool + 2.0 * of_tool * of_work + of_work * of_work * largest
+    }
+
+    /// The bound of the second derivative of a place by the part of a motion, mm, while it runs on a line
+    /// between two places and turns by `turns` about the axes of the machine, radians.
+    fn bend(&self, turns: [f64; 2], [start, end]: [Vector3<f64>; 2]) -> f64 {
+        let heads = self.kind.heads();
         let of = |wants_head: bool| -> f64 {
             turns.iter().zip(heads).filter(|(_, is_head)| *is_head == wants_head).map(|(turn, _)| turn).sum()
         };
         let (table, head) = (of(false), of(true));
-        let all = table + head;
-        let [start, end] = [from, to].map(|joints| Vector3::from(joints.linear_mm));
         let centres = self.lines.iter().zip(heads);
         let farthest = |wants_head: bool, from: [Vector3<f64>; 2]| -> f64 {
             let own: Vec<Vector3<f64>> = centres
@@ -52,17 +96,12 @@ impl Machine {
         } else {
             0.0
         };
-        // The axis of the control and the axis of the toolpath both bend away from the chord of the ends. The
-        // great circle of the toolpath bends no more than the motion of the control: hence twice its bend.
-        let axis = all * all / 4.0;
-        let axis = if axis < 1.0 { 2.0 * (0.5 * axis).asin() } else { std::f64::consts::PI };
-        Straying { tip_mm: (bend + table_bend) / 8.0, axis }
+        bend + table_bend
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Point3;
     use proptest::prelude::*;
 
     use super::*;
@@ -91,6 +130,58 @@ mod tests {
                 let angle = angle_between(&own.axis, &straight.axis);
                 prop_assert!((own.tip - straight.tip).norm() <= bound.tip_mm + 1e-10);
                 prop_assert!(angle <= bound.axis + 1e-10);
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn beside_the_pole_the_axis_strays_by_less_than_a_few_times_the_largest(
+            k in 0usize..6,
+            tilt in [-0.02..0.02, -0.02..0.02f64],
+            turn in [-3.0..3.0, 0.2..1.0f64],
+        ) {
+            let machine = &named()[k];
+            let work = machine.free_axis();
+            let along = |part: f64| {
+                let mut rotary = [0.0; 2];
+                (rotary[1 - work], rotary[work]) = (tilt[0] + part * tilt[1], turn[0] + part * turn[1]);
+                AxisPositions { linear_mm: [0.0; 3], rotary }
+            };
+            let bound = machine.straying(&along(0.0), &along(1.0)).axis;
+            let ends = [0.0, 1.0].map(|part| machine.forward(&along(part)));
+            let mut largest = 0.0_f64;
+            for n in 0..=50 {
+                let part = f64::from(n) / 50.0;
+                let (own, straight) = (machine.forward(&along(part)), ends[0].between(&ends[1], part));
+                largest = largest.max(angle_between(&own.axis, &straight.axis));
+            }
+            prop_assert!(largest <= bound + 1e-10);
+            // A bound by the turns alone would be a quarter of their square.
+            let far = tilt[0].abs() + tilt[1].abs();
+            prop_assert!(bound <= 0.6 * far * (1.0 + turn[1]) * (1.0 + turn[1]));
+        }
+
+        #[test]
+        fn no_axis_is_faster_than_its_way_under_tip_control(
+            k in 0usize..6,
+            tip in [[-200.0..200.0, -200.0..200.0, -200.0..200.0], [-3.0..3.0, -3.0..3.0, -3.0..3.0f64]],
+            rotary in [[-1.5..1.5, -3.0..3.0], [-0.2..0.2, -0.2..0.2f64]],
+        ) {
+            let machine = &named()[k];
+            let along = |part: f64| {
+                let tip = [0, 1, 2].map(|k| tip[0][k] + part * tip[1][k]);
+                machine.at(&tip.into(), [0, 1].map(|k| rotary[0][k] + part * rotary[1][k]))
+            };
+            let tips = [tip[0], [0, 1, 2].map(|k| tip[0][k] + tip[1][k])].map(Point3::from);
+            let ways = machine.ways(tips, [along(0.0).rotary, along(1.0).rotary]);
+            const PARTS: u32 = 50;
+            for n in 0..PARTS {
+                let [from, to] = [n, n + 1].map(|n| along(f64::from(n) / f64::from(PARTS)).linear_mm);
+                for k in 0..3 {
+                    let speed = (to[k] - from[k]).abs() * f64::from(PARTS);
+                    prop_assert!(speed <= ways[k] + 1e-9);
+                }
             }
         }
     }

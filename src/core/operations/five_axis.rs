@@ -76,7 +76,7 @@ use path::Path;
 use rail::{Rail, Source};
 pub use report::{AxisPeaks, Continuity, Report, Warning};
 use schedule::ScheduleError;
-use stations::{pose, positions, resolved};
+use stations::{Followed, pose};
 
 /// The tool at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,12 +182,22 @@ fn plan_past_poles(job: &Job, may_cross: bool, budget: &Budget) -> Result<Plan, 
         .as_ref()
         .map(|limits| Drive::new(&rails.rail, machine.map(|own| (own, job.start())), limits, budget));
     let drive = drive.transpose()?;
+    let followed = machine
+        .filter(|_| drive.is_none())
+        .map(|machine| Followed::new(&rails.rail, machine, job.start(), budget))
+        .transpose()?;
     let period_s = job.period_s(drive.as_ref().map_or(motion.duration_s(), Drive::duration_s))?;
     let samples = match &drive {
         Some(drive) => driven(drive, period_s, budget)?,
-        None => at_feed(job, &rails.rail, &motion, period_s, budget)?,
+        None => at_feed(followed.as_ref(), &motion, period_s, budget)?,
     };
-    let moves = moves::moves(job, &path, &rails, drive.as_ref(), budget)?;
+    let moves = moves::moves(
+        job,
+        &path,
+        &rails,
+        moves::Along { drive: drive.as_ref(), followed: followed.as_ref() },
+        budget,
+    )?;
     let cycle_time_s = samples[samples.len() - 1].t_s;
     // The last step may be shorter.
     let even = &samples[..samples.len() - 1];
@@ -304,27 +314,17 @@ fn driven(drive: &Drive, period_s: f64, budget: &Budget) -> Result<Vec<TimedPose
 
 /// The motion at the feed at times that are a period apart, and its end.
 fn at_feed(
-    job: &Job,
-    rail: &Rail,
+    followed: Option<&Followed>,
     motion: &ConstantFeed,
     period_s: f64,
     budget: &Budget,
 ) -> Result<Vec<TimedPose>, FiveAxisError> {
-    let samples = motion.samples(period_s, budget)?;
-    let followed = job.machine.as_ref().map(|machine| {
-        let stations = resolved(rail, machine, job.start(), true, budget)?;
-        Ok::<_, FiveAxisError>((machine, stations))
-    });
-    let followed = followed.transpose()?;
     let timed = |Sample { t_s, piece, u, at }: &Sample| TimedPose {
         t_s: *t_s,
         pose: pose(at),
-        joints: followed.as_ref().map(|(machine, stations)| {
-            let piece_of = &rail.pieces[*piece];
-            positions(machine, &stations[*piece], &piece_of.spans[piece_of.index_at(*u)], *u)
-        }),
+        joints: followed.map(|followed| followed.at(*piece, *u)),
     };
-    Ok(samples.iter().map(timed).collect())
+    Ok(motion.samples(period_s, budget)?.iter().map(timed).collect())
 }
 
 fn axis_peaks(job: &Job, even: &[TimedPose], period_s: f64) -> Vec<AxisPeaks> {

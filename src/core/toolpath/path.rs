@@ -55,6 +55,16 @@ pub struct Pass {
     moves: Vec<Move>,
     axes: ToolAxes,
     rails: Vec<Rail>,
+    rotary: Option<RotaryPositions>,
+}
+
+/// The positions of the two rotary axes of a machine along a pass, radians. They may count turns. During a
+/// move both turn in step with the length of the way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RotaryPositions {
+    pub start: [f64; 2],
+    /// At the end of each move.
+    pub ends: Vec<[f64; 2]>,
 }
 
 impl Pass {
@@ -82,6 +92,11 @@ impl Pass {
     pub fn rails(&self) -> &[Rail] {
         &self.rails
     }
+
+    /// The positions of the rotary axes, where the toolpath was made for a machine.
+    pub fn rotary(&self) -> Option<&RotaryPositions> {
+        self.rotary.as_ref()
+    }
 }
 
 /// A finished toolpath.
@@ -97,6 +112,7 @@ impl Toolpath {
             at: start,
             axis: Vector3::z_axis(),
             next_axis: None,
+            rotary: None,
             start,
             passes: Vec::new(),
             n_moves: 0,
@@ -167,6 +183,8 @@ pub struct Builder {
     axis: UnitVector3<f64>,
     /// The axis at the end of the next move, where it differs.
     next_axis: Option<UnitVector3<f64>>,
+    /// The positions of the rotary axes, where they are known.
+    rotary: Option<[f64; 2]>,
     start: Point3<f64>,
     passes: Vec<Pass>,
     n_moves: usize,
@@ -213,6 +231,7 @@ impl Builder {
             moves: Vec::new(),
             axes: ToolAxes::Fixed(axis),
             rails: Vec::new(),
+            rotary: self.rotary.map(|start| RotaryPositions { start, ends: Vec::new() }),
         });
     }
 
@@ -247,6 +266,12 @@ impl Builder {
         }
         self.next_axis = Some(axis);
         Ok(())
+    }
+
+    /// During the next move the rotary axes of the machine turn to these positions, radians. Before the first
+    /// pass it tells where they start: without that the toolpath has no such positions.
+    pub fn rotate_next(&mut self, rotary: [f64; 2]) {
+        self.rotary = Some(rotary);
     }
 
     /// Forgets the turn of the next move. Returns the axis now and where it was to turn.
@@ -371,8 +396,11 @@ impl Builder {
             self.axis = axis;
         }
         let last = self.passes.len() - 1;
-        let Pass { moves, axes, .. } = &mut self.passes[last];
+        let Pass { moves, axes, rotary, .. } = &mut self.passes[last];
         axes.push(moves.len(), self.axis);
+        if let (Some(RotaryPositions { ends, .. }), Some(next)) = (rotary, self.rotary) {
+            ends.push(next);
+        }
         moves.push(step);
         self.at = to;
         Ok(())

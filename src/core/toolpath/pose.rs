@@ -39,11 +39,14 @@ pub struct Waypoint {
     /// The positions of the two rotary axes of the machine, radians, where a program states both. They may
     /// count turns.
     pub rotary: Option<[f64; 2]>,
+    /// How long the way to the pose takes, s, where a program states that. The pace is then that of the way
+    /// by the given poses.
+    pub seconds: Option<f64>,
 }
 
 impl Waypoint {
     /// A waypoint whose rotary axes may stand anywhere.
     pub const fn new(pose: Pose, pace: Pace) -> Self {
-        Self { pose, pace, rotary: None }
+        Self { pose, pace, rotary: None, seconds: None }
     }
 }

@@ -30,7 +30,7 @@ use super::{
     refusal, tool_number,
 };
 use toolpathd_core::toolpath::cutting::Coolant;
-use toolpathd_core::toolpath::pose::{Pace, Pose};
+use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 pub use words::WORDS;
 
 const INCH_MM: f64 = 25.4;
@@ -180,7 +180,10 @@ impl Reader {
             }
             "LOADTL" | "LOAD/TOOL" | "TOOLNO" => self.tool(word, row, text)?,
             _ => {
-                minors(word, row, text)?;
+                // Of these words, a row takes names alone: numbers would move the points.
+                if !minors(word, row, text)?.is_empty() {
+                    return Err(refusal(word, row).into());
+                }
             }
         }
         Ok(())
@@ -223,12 +226,17 @@ impl Reader {
     }
 
     fn go(&mut self, tip: Point3<f64>) -> Result<(), Fault> {
-        let is_rapid = std::mem::take(&mut self.is_rapid) || self.trail.is_empty();
-        let pace = if is_rapid { Pace::Rapid } else { self.pace()? };
+        let is_rapid = std::mem::take(&mut self.is_rapid);
+        let pace = match self.pace() {
+            _ if is_rapid => Pace::Rapid,
+            // Where the tool starts, before any word of feed.
+            Err(PathFault::NoFeed) if self.trail.is_empty() => Pace::Rapid,
+            pace => pace?,
+        };
         self.enters = None;
         let way = self.trail.last().map(|last| tip - last.pose.tip);
         self.heading = way.and_then(|way| direction(way).ok()).map(UnitVector3::into_inner).or(self.heading);
-        self.trail.push(Pose { tip, axis: self.axis }, pace, None)
+        self.trail.push(Waypoint::new(Pose { tip, axis: self.axis }, pace))
     }
 
     fn go_on(&mut self, by: &[f64]) -> Result<(), Fault> {

@@ -29,7 +29,7 @@ use nalgebra::UnitVector3;
 
 use super::tokens::{self, Block, Point, Word};
 use super::trail::Trail;
-use super::{Fault, PathFault, PathText, PathTextError, ReadSettings, TextSpindle};
+use super::{Fault, PathFault, PathText, PathTextError, ReadSettings, Said, TextSpindle};
 use crate::nc::{Modal, Modifier};
 use toolpathd_core::machine::Machine;
 pub use words::TABLES;
@@ -60,6 +60,9 @@ pub fn read(
         spindle_rpm: None,
         spindle_is_on: false,
         selected: None,
+        length_offset: None,
+        turns_on_circle: false,
+        has_spatial_angles: false,
         has_begun: false,
         has_ended: false,
         continues: false,
@@ -133,8 +136,14 @@ struct Reader<'a> {
     axis_is_ijk: bool,
     spindle_rpm: Option<f64>,
     spindle_is_on: bool,
-    /// The tool of the next M6.
-    selected: Option<u32>,
+    /// The tool of the next M6, with its line: its number, or none for a name.
+    selected: Option<Said<Option<u32>>>,
+    /// The number of the length offset in force.
+    length_offset: Option<f64>,
+    /// Under tip control the axis turns on the great circle, and the angles do not turn in step.
+    turns_on_circle: bool,
+    /// Whether A, B and C are angles of the tool in space, not positions of axes.
+    has_spatial_angles: bool,
     has_begun: bool,
     has_ended: bool,
     /// The next line holds more parameters of a cycle that was left alone.
@@ -218,6 +227,7 @@ impl Reader<'_> {
         } else {
             self.modal.modifiers &= !(Modifier::ToolCenterPoint as u16);
             self.axis_is_ijk = false;
+            self.has_spatial_angles = false;
         }
         Ok(())
     }
@@ -227,8 +237,15 @@ impl Reader<'_> {
         self.trail.spindle(spindle);
     }
 
-    /// The selected tool goes into the spindle, at a place that the program does not name.
-    fn change_tool(&mut self, number: u32) {
+    /// The selected tool goes into the spindle, at a place that the program does not name. A name is no
+    /// number that the answer could call.
+    fn change_tool(&mut self, number: Option<u32>) {
+        let Some(number) = number else {
+            let advice = "send the motions of each tool as a request of its own";
+            self.trail.bar(PathFault::Refused { word: "a tool with a name".to_owned(), advice });
+            self.modal.at = [None; 3];
+            return;
+        };
         if !self.trail.is_empty() && self.trail.has_tool(number) {
             self.trail.left_alone("M6");
         }
@@ -238,8 +255,10 @@ impl Reader<'_> {
 
     fn finish(self) -> PathText {
         let mut trail = self.trail;
-        if self.survey.has_m6 && self.selected.is_some_and(|number| !trail.has_tool(number)) {
-            trail.left_alone("T");
+        if let Some(Said { value: Some(number), line }) = self.selected.filter(|_| self.survey.has_m6)
+            && !trail.has_tool(number)
+        {
+            trail.left_alone_at("T", line);
         }
         if self.spindle_rpm.is_some() && !trail.has_spindle() {
             trail.left_alone("S");

@@ -111,6 +111,11 @@ fn word(line: &str, start: usize) -> Result<(Word<'_>, usize), PathFault> {
     let is_letter = |c: u8| c.is_ascii_alphabetic() || c == b'_';
     let letters = start + run(&bytes[start..], is_letter);
     // Digits before an equals sign belong to the name.
+    // HSC-MODE is one name.
+    let is_joined = letters > start + 1
+        && bytes.get(letters) == Some(&b'-')
+        && bytes.get(letters + 1).is_some_and(u8::is_ascii_alphabetic);
+    let letters = if is_joined { letters + 1 + run(&bytes[letters + 1..], is_letter) } else { letters };
     let digits = run(&bytes[letters..], |c| c.is_ascii_digit());
     let equals = bytes[letters + digits..].first() == Some(&b'=');
     let end = if equals { letters + digits } else { letters };
@@ -201,6 +206,8 @@ mod tests {
         assert_eq!(shown("MSG(\"X1)\")Y2"), "MSG Y:2");
         assert_eq!(shown("CYCLE832(0.01,1)"), "CYCLE:832");
         assert_eq!(shown("G1X5"), "G:1 X:5");
+        assert_eq!(shown("HSC-MODE:0 TA0.1"), "HSC-MODE :");
+        assert_eq!(shown("M1=3 S1=500"), "M1:3 S1:500");
         assert!(matches!(block("X1.2.3", false), Err(PathFault::BadNumber(_))));
         assert_eq!(block("X1 (a", false), Err(PathFault::OpenComment));
     }

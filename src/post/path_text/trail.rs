@@ -6,7 +6,7 @@
 
 use super::{Fault, LeftWord, PathFault, PathText, Said, TextSpindle};
 use toolpathd_core::toolpath::cutting::Coolant;
-use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
+use toolpathd_core::toolpath::pose::{Pace, Waypoint};
 
 /// The most comments that are kept: as many as the header of a program shows.
 const MAX_COMMENTS: usize = 40;
@@ -44,18 +44,18 @@ impl Trail {
     }
 
     /// Appends a pose.
-    pub fn push(&mut self, pose: Pose, pace: Pace, rotary: Option<[f64; 2]>) -> Result<(), Fault> {
+    pub fn push(&mut self, waypoint: Waypoint) -> Result<(), Fault> {
         if let Some((line, fault)) = self.barrier.take() {
             return Err(Fault { line: Some(line), fault });
         }
         self.check_tool()?;
-        if pace != Pace::Rapid && self.last().is_some() {
+        if waypoint.pace != Pace::Rapid && self.last().is_some() {
             self.check_cut()?;
         }
         if self.read.path.len() >= self.limit {
             return Err(PathFault::TooMany(self.limit).into());
         }
-        self.read.path.push(Waypoint { pose, pace, rotary });
+        self.read.path.push(waypoint);
         Ok(())
     }
 
@@ -170,7 +170,7 @@ impl Trail {
         self.left_alone_at(word, self.line);
     }
 
-    fn left_alone_at(&mut self, word: &str, line: usize) {
+    pub fn left_alone_at(&mut self, word: &str, line: usize) {
         match self.read.left_alone.iter_mut().find(|own| own.word == word) {
             Some(own) => own.count += 1,
             None => self.read.left_alone.push(LeftWord { word: word.to_owned(), count: 1, line }),

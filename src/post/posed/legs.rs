@@ -3,7 +3,7 @@
 use super::super::{MAX_BLOCKS, ProgramJob, WriteError};
 use toolpathd_core::geometry::curve::Curve;
 use toolpathd_core::toolpath::flatten::flatten;
-use toolpathd_core::toolpath::path::{Move, Toolpath};
+use toolpathd_core::toolpath::path::{Move, Pass, Toolpath};
 use toolpathd_core::toolpath::pose::Pose;
 use toolpathd_core::toolpath::rail::Rail;
 use toolpathd_core::toolpath::tool_axes::angle_between;
@@ -15,6 +15,8 @@ const TURN_PER_S: f64 = 0.5;
 /// One straight motion, or one along a rail.
 pub struct Leg<'a> {
     pub to: Pose,
+    /// The positions of the rotary axes at the end, radians, where the toolpath has them.
+    pub rotary: Option<[f64; 2]>,
     pub time: LegTime,
     pub rail: Option<&'a Rail>,
 }
@@ -41,6 +43,8 @@ impl LegTime {
 /// A toolpath as motions from a start.
 pub struct Legs<'a> {
     pub start: Pose,
+    /// The positions of the rotary axes at the start, radians, where the toolpath has them.
+    pub rotary: Option<[f64; 2]>,
     pub legs: Vec<Leg<'a>>,
     /// How much longer the rails take than their moves, s.
     pub delay_s: f64,
@@ -57,16 +61,19 @@ pub fn divide<'a>(
     let first = toolpath.passes().first().map(|pass| pass.axes().start());
     let start = Pose { tip, axis: first.unwrap_or(nalgebra::Vector3::z_axis()) };
     let mut axis = start.axis;
+    let begins = toolpath.passes().first().and_then(|pass| Some(pass.rotary()?.start));
+    let mut rotary = begins;
     let (mut legs, mut delay_s) = (Vec::new(), 0.0);
-    let mut push = |to: Pose, time: LegTime, rail: Option<&'a Rail>| {
-        legs.push(Leg { to, time, rail });
+    let mut push = |to: Pose, rotary: Option<[f64; 2]>, time: LegTime, rail: Option<&'a Rail>| {
+        legs.push(Leg { to, rotary, time, rail });
         if legs.len() > MAX_BLOCKS { Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS }) } else { Ok(()) }
     };
     for pass in toolpath.passes() {
         let begins = pass.axes().start();
         if begins != axis {
             let angle = angle_between(&axis, &begins);
-            push(Pose { tip, axis: begins }, LegTime::Seconds(angle / TURN_PER_S), None)?;
+            rotary = pass.rotary().map(|rotary| rotary.start);
+            push(Pose { tip, axis: begins }, rotary, LegTime::Seconds(angle / TURN_PER_S), None)?;
             axis = begins;
         }
         let mut rails = pass.rails().iter().filter(|rail| has_rails && !rail.moves.is_empty()).peekable();
@@ -75,7 +82,8 @@ pub fn divide<'a>(
                 let (rate, longer_s) = slowest(&pass.moves()[rail.moves.clone()])?;
                 delay_s += longer_s;
                 (tip, axis) = (rail.tip[5], pass.axes().after(k));
-                push(Pose { tip, axis }, LegTime::Feed(rate), Some(rail))?;
+                rotary = rotary_after(pass, k);
+                push(Pose { tip, axis }, rotary, LegTime::Feed(rate), Some(rail))?;
                 continue;
             }
             if rails.peek().is_some_and(|rail| rail.moves.contains(&k)) {
@@ -83,10 +91,16 @@ pub fn divide<'a>(
             }
             let from = Pose { tip, axis };
             axis = pass.axes().after(k);
+            let before = std::mem::replace(&mut rotary, rotary_after(pass, k));
             match step {
                 Move::Rapid { line } => {
                     tip = line.end;
-                    push(Pose { tip, axis }, LegTime::Feed(job.cutting.rapid_feed), None)?;
+                    let time = if tip == from.tip {
+                        LegTime::Seconds(angle_between(&from.axis, &axis) / TURN_PER_S)
+                    } else {
+                        LegTime::Feed(job.cutting.rapid_feed)
+                    };
+                    push(Pose { tip, axis }, rotary, time, None)?;
                 }
                 Move::Feed { along, rate, .. } => {
                     let rate = rate.ok_or(WriteError::FeedMissing)?;
@@ -99,22 +113,32 @@ pub fn divide<'a>(
                     tip = along.end();
                     let to = Pose { tip, axis };
                     for (n, point) in points.into_iter().enumerate().skip(1) {
-                        let axis = from.between(&to, n as f64 / parts).axis;
-                        push(Pose { tip: point, axis }, LegTime::Feed(rate), None)?;
+                        let part = n as f64 / parts;
+                        let axis = from.between(&to, part).axis;
+                        let turned = before
+                            .zip(rotary)
+                            .map(|(from, to)| [0, 1].map(|k| from[k] + (to[k] - from[k]) * part));
+                        push(Pose { tip: point, axis }, turned, LegTime::Feed(rate), None)?;
                     }
                 }
                 Move::Turn { seconds, .. } => {
                     push(
                         Pose { tip, axis },
+                        rotary,
                         LegTime::Seconds(seconds.ok_or(WriteError::FeedMissing)?),
                         None,
                     )?;
                 }
-                Move::Dwell { seconds } => push(from, LegTime::Dwell(*seconds), None)?,
+                Move::Dwell { seconds } => push(from, rotary, LegTime::Dwell(*seconds), None)?,
             }
         }
     }
-    Ok(Legs { start, legs, delay_s })
+    Ok(Legs { start, rotary: begins, legs, delay_s })
+}
+
+/// The positions of the rotary axes at the end of the move `k` of a pass.
+fn rotary_after(pass: &Pass, k: usize) -> Option<[f64; 2]> {
+    pass.rotary().and_then(|rotary| rotary.ends.get(k).copied())
 }
 
 /// The one feed of a rail, which is no faster than any of its moves may be, and how much longer they take

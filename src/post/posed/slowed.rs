@@ -1,4 +1,4 @@
-//! The times of blocks under G93, within what a control reads.
+//! The times of blocks under G93, and the feeds of turns by the minute, within what a control reads.
 
 use crate::WriteError;
 use crate::dialect::Numbers;
@@ -7,7 +7,13 @@ use crate::words::{self, FeedWord};
 /// The longest time of a block, s: F0.001 is the least that Fanuc's manuals give. A longer motion is halved.
 pub const LONGEST_S: f64 = 60_000.0;
 
-/// Blocks that are too short for the largest F.
+/// No turn is shorter, s, so that its feed is a number.
+const SHORTEST_S: f64 = 1e-9;
+
+/// Digits of the largest feed of a turn, at most.
+const LARGEST_DIGITS: u32 = 9;
+
+/// Blocks that are too fast for the largest F.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Slowed {
     pub blocks: usize,
@@ -30,5 +36,22 @@ impl Slowed {
             return Ok(FeedWord { digits: most.into(), decimals: 0 });
         }
         words::per_minute(60.0 / seconds, numbers).ok_or(WriteError::InverseTime { seconds })
+    }
+
+    /// The F word of a turn in degrees by the minute. A turn too fast for the largest F takes longer.
+    pub fn degrees_per_minute(
+        &mut self,
+        degrees: f64,
+        seconds: f64,
+        numbers: &Numbers,
+    ) -> Result<FeedWord, WriteError> {
+        let most = (10u64.pow(numbers.max_whole_digits.min(LARGEST_DIGITS)) - 1) as f64;
+        let rate = 60.0 * degrees / seconds.max(SHORTEST_S);
+        if rate > most {
+            self.blocks += 1;
+            self.by_s += 60.0 * degrees / most - seconds;
+            return Ok(FeedWord { digits: most as i64, decimals: 0 });
+        }
+        words::per_minute(rate, numbers).ok_or(WriteError::Feed { mm_per_min: rate })
     }
 }

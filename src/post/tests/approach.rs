@@ -134,7 +134,12 @@ fn linuxcnc_switches_its_kinematics_around_the_path_of_the_tip() {
         let spoiled = text.replacen(from, to, 1);
         assert_ne!(spoiled, text);
         let (program, cutting) = (Program::plain(MM), cutting());
-        let five_axes = FiveAxes { output: AxisOutput::Angles, machine: Some(&table), allowed: COARSE };
+        let five_axes = FiveAxes {
+            output: AxisOutput::Angles,
+            machine: Some(&table),
+            allowed: COARSE,
+            speeds: [f64::INFINITY; 5],
+        };
         let job = ProgramJob {
             tool: Some(&TOOL),
             five_axes: Some(five_axes),

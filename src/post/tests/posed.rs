@@ -41,7 +41,7 @@ pub fn text_of(
     allowed: Straying,
 ) -> Result<NcProgram, WriteError> {
     let (program, cutting) = (Program::plain(MM), cutting());
-    let five_axes = Some(FiveAxes { output, machine, allowed });
+    let five_axes = Some(FiveAxes { output, machine, allowed, speeds: [f64::INFINITY; 5] });
     let length_offset = TOOL.length_offset.filter(|_| dialect.abilities.length_offsets.is_some());
     let job = ProgramJob {
         tool: Some(&Tool { length_offset, ..TOOL }),
@@ -189,7 +189,8 @@ fn a_changed_block_fails_the_check() {
             ],
         ),
     ] {
-        let five_axes = Some(FiveAxes { output, machine: Some(&table), allowed: coarse });
+        let five_axes =
+            Some(FiveAxes { output, machine: Some(&table), allowed: coarse, speeds: [f64::INFINITY; 5] });
         let job =
             ProgramJob { tool: Some(&TOOL), five_axes, ..ProgramJob::plain(&program, &cutting, &FANUC) };
         let blocks = lower::lower(&leaning(), &job, &Budget::unlimited()).unwrap();

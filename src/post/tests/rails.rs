@@ -49,7 +49,8 @@ fn run(start: [f64; 3], end: [f64; 3], powers: [[f64; 3]; 4], t: f64) -> Vector3
 fn in_siemens(path: &Toolpath, resolution: Resolution) -> Result<NcProgram, WriteError> {
     let (program, cutting) = (Program::plain(resolution), cutting());
     let allowed = Straying { tip_mm: 0.01, axis: 1e-3 };
-    let five_axes = Some(FiveAxes { output: AxisOutput::Rails, machine: None, allowed });
+    let five_axes =
+        Some(FiveAxes { output: AxisOutput::Rails, machine: None, allowed, speeds: [f64::INFINITY; 5] });
     let job = ProgramJob { tool: Some(&TOOL), five_axes, ..ProgramJob::plain(&program, &cutting, &SIEMENS) };
     write(path, &job, &Budget::unlimited())
 }

@@ -20,7 +20,7 @@ use nalgebra::Point2;
 use super::error::{ApiError, Code, FieldCode, FieldError};
 use super::pointer::Pointer;
 pub use computing::too_slow;
-pub use five_axis::{path_text, words_left_alone, words_left_alone_in};
+pub use five_axis::{path_text, positions_of_control, words_left_alone, words_left_alone_in};
 pub use points::point_fault;
 pub use reading::not_read;
 pub use warning::{Warning, WarningCode};

@@ -181,6 +181,18 @@ async fn a_machine_that_cannot_follow_is_told_with_the_place() {
 }
 
 #[tokio::test]
+async fn a_machine_that_is_refused_is_the_only_fault() {
+    let mut body = driven();
+    body["machine"] = json!({ "name": "mill" });
+    body["limits"]["A"] = json!({ "speed": 100 });
+    body.as_object_mut().expect("an object").remove("path");
+    body["nc"] = json!("G90 F100\nG0 X0 Y0 Z0 A0\nG1 X5 A10\n");
+    let answer = post(&app(&[]), SMOOTH, body.to_string(), &[]).await.json();
+    let errors = answer["errors"].as_array().expect("errors");
+    assert_eq!((errors.len(), &errors[0]["pointer"]), (1, &json!("#/machine/name")), "{answer}");
+}
+
+#[tokio::test]
 async fn faults_of_machines_and_limits_are_told_with_their_place() {
     let app = app(&[]);
     let machine = |machine: Value| with(&driven(), "machine", machine);
@@ -435,5 +447,63 @@ async fn blocks_of_inverse_time_take_their_time() {
         let took = answer.json()["report"]["cycle_time_s"].as_f64().expect("a time");
         // The rails round the corner between both blocks.
         assert!((took / seconds - 1.0).abs() < 0.005, "{took} s of {seconds} s");
+    }
+}
+
+/// Two or three poses beside the pole of an A-C table, over 80 mm.
+fn beside_the_pole(off: f64, n: usize) -> Value {
+    let lean = |k: usize| -0.4 + 0.8 * k as f64 / (n - 1) as f64;
+    let pose =
+        |k: usize| json!({ "tip": [80.0 * k as f64 / (n - 1) as f64, 0, 0], "axis": [lean(k), off, 0.9] });
+    let axis = |speed: f64| json!({ "speed": speed, "acceleration": 6.0 * speed, "jerk": 100.0 * speed });
+    json!({
+        "path": (0..n).map(pose).collect::<Vec<_>>(), "feed_mm_per_min": 3000,
+        "tolerance_mm": 0.01, "tolerance_deg": 0.2, "machine": { "name": "table_table_ac" },
+        "limits": { "X": axis(500.0), "Y": axis(500.0), "Z": axis(500.0), "A": axis(180.0), "C": axis(360.0) },
+    })
+}
+
+#[tokio::test]
+async fn programs_beside_poles_keep_the_limits_and_the_turns_of_the_samples() {
+    let app = app(&[]);
+    for body in [beside_the_pole(0.0075, 2), beside_the_pole(0.0025, 3)] {
+        let samples = post(&app, SMOOTH, body.to_string(), &[]).await.json();
+        let cycle_time_s = samples["report"]["cycle_time_s"].as_f64().expect("a time");
+        let machine = with(&body, "axis_output", json!("machine"));
+        let text = post(&app, &format!("{SMOOTH}?format=gcode"), machine.to_string(), &[]).await.text();
+        let (mut at, mut is_time, mut total_s) = ([f64::NAN; 5], false, 0.0);
+        for line in text.lines().filter(|line| !line.starts_with('(')) {
+            let (mut to, mut feed) = (at, None);
+            for word in line.split_whitespace() {
+                let Ok(value) = word[1..].parse::<f64>() else { continue };
+                match word.as_bytes()[0] {
+                    b'F' => feed = Some(value),
+                    b'G' => is_time |= value == 93.0,
+                    letter => {
+                        if let Some(k) = b"XYZAC".iter().position(|own| *own == letter) {
+                            to[k] = value;
+                        }
+                    }
+                }
+            }
+            if let Some(seconds) = feed.filter(|_| is_time).map(|feed| 60.0 / feed) {
+                total_s += seconds;
+                for (k, speed) in [500.0, 500.0, 500.0, 180.0, 360.0].into_iter().enumerate() {
+                    assert!((to[k] - at[k]).abs() <= 1.02 * speed * seconds, "{line}");
+                    assert!(k < 3 || (to[k] - at[k]).abs() < 5.0, "{line}");
+                }
+            }
+            at = to;
+        }
+        // The ways to the path and from it, 20 mm each at 3,000 mm/min, come on top of the motion.
+        assert!((0.95..1.05).contains(&((total_s - 0.8) / cycle_time_s)), "{total_s} {cycle_time_s}");
+        for (dialect, output) in [("fanuc", "angles"), ("heidenhain", "angles"), ("siemens", "vectors")] {
+            let mut body = with(&body, "axis_output", json!(output));
+            body["program"] = json!({ "dialect": dialect });
+            let answer = post(&app, &format!("{SMOOTH}?nc=true"), body.to_string(), &[]).await;
+            assert_eq!(answer.status, 200, "{dialect}: {}", answer.text());
+            let codes = answer.json()["warnings"].to_string();
+            assert_eq!(codes.contains("positions_of_control"), output == "vectors", "{codes}");
+        }
     }
 }

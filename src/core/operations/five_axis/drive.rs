@@ -22,9 +22,9 @@ use nalgebra::Point3;
 
 use super::FiveAxisError;
 use super::passage::{Passage, passages};
-use super::rail::{Jet, Piece, Point6, Rail, tip, top};
+use super::rail::{Jet, Piece, Point6, Rail, Span, tip, top};
 use super::schedule::{Derivatives, Limits, Schedule, ScheduleError, Station, TipLimits, schedule};
-use super::stations::{Station as Followed, pose, positions, resolved, unfollowed};
+use super::stations::{self, pose, positions, resolved, unfollowed};
 use crate::budget::Budget;
 use crate::machine::{AxisPositions, Inverse, Machine};
 use proof::Proof;
@@ -49,6 +49,16 @@ pub struct MotionLimits {
     pub axes: Vec<(char, Limits)>,
     /// Of the tip, mm by s2 and s3.
     pub tip: Option<TipLimits>,
+}
+
+impl MotionLimits {
+    /// The largest speeds of the axes of a machine, in the order of its names; infinite without a limit.
+    pub fn speeds(&self, machine: &Machine) -> [f64; 5] {
+        machine.axis_names().map(|name| {
+            let own = self.axes.iter().find(|(axis, _)| *axis == name);
+            own.map_or(f64::INFINITY, |(_, limits)| limits.speed)
+        })
+    }
 }
 
 /// The motion along one piece.
@@ -87,7 +97,7 @@ impl<'a> Drive<'a> {
         limits: &MotionLimits,
         budget: &Budget,
     ) -> Result<Self, FiveAxisError> {
-        let some = |(u, joints): Followed| (u, Some(joints));
+        let some = |(u, joints): stations::Station| (u, Some(joints));
         let stations: Vec<Vec<(f64, Option<AxisPositions>)>> = match machine {
             Some((machine, start)) => {
                 let followed = resolved(rail, machine, start, false, budget)?;
@@ -157,6 +167,11 @@ impl Drive<'_> {
         to - from
     }
 
+    /// The positions of the axes at a parameter of a piece.
+    pub fn joints(&self, piece: usize, u: f64) -> Option<AxisPositions> {
+        self.pieces[piece].joints(u, self.machine?)
+    }
+
     /// The largest speed of the tip between two parameters of a piece, as seen at three places, mm/s.
     pub fn largest_speed(&self, piece: usize, [from, to]: [f64; 2]) -> f64 {
         let Driven { piece, schedule, .. } = &self.pieces[piece];
@@ -174,13 +189,18 @@ impl Driven<'_> {
         let is_end = own >= self.schedule.duration_s();
         let ends = [self.stations[0].0, self.stations[self.stations.len() - 1].0];
         let u = if is_end { ends[1] } else { self.schedule.at(own).u.clamp(ends[0], ends[1]) };
-        let span = &self.piece.spans[self.piece.index_at(u)];
-        let joints = machine.and_then(|machine| {
-            let k = self.stations.partition_point(|(at, _)| *at <= u).clamp(1, self.stations.len() - 1);
-            let [(u0, before), (u1, after)] = [self.stations[k - 1], self.stations[k]];
-            Some(positions(machine, &[(u0, before?), (u1, after?)], span, u))
-        });
-        DrivenSample { t_s, at: span.jet(u)[0], joints }
+        let joints = machine.and_then(|machine| self.joints(u, machine));
+        DrivenSample { t_s, at: self.span(u).jet(u)[0], joints }
+    }
+
+    fn span(&self, u: f64) -> &Span {
+        &self.piece.spans[self.piece.index_at(u)]
+    }
+
+    fn joints(&self, u: f64, machine: &Machine) -> Option<AxisPositions> {
+        let k = self.stations.partition_point(|(at, _)| *at <= u).clamp(1, self.stations.len() - 1);
+        let [(u0, before), (u1, after)] = [self.stations[k - 1], self.stations[k]];
+        Some(positions(machine, &[(u0, before?), (u1, after?)], self.span(u), u))
     }
 }
 

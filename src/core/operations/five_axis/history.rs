@@ -32,7 +32,7 @@ pub fn before_and_after(job: &Job, plan: &Plan, budget: &Budget) -> Result<[Hist
     let rails = rails(&given, &Path::new(&given.path, given.top_mm, Deviation::NONE)?, budget)?;
     let motion = ConstantFeed::new(&rails.rail);
     let period_s = given.period_s(motion.duration_s())?;
-    let mut before = at_feed(&given, &rails.rail, &motion, period_s, budget)?;
+    let mut before = at_feed(None, &motion, period_s, budget)?;
     let start = plan.samples.first().and_then(|sample| sample.joints);
     if let Some((machine, start)) = job.machine.as_ref().zip(start) {
         let poses: Vec<Pose> = before.iter().map(|sample| sample.pose).collect();

@@ -3,7 +3,7 @@
 use super::FiveAxisError;
 use super::deviation::Deviation;
 use super::drive::MotionLimits;
-use crate::machine::Machine;
+use crate::machine::{Machine, Straying};
 use crate::toolpath::pose::Waypoint;
 use crate::toolpath::units::FeedRate;
 
@@ -89,6 +89,9 @@ pub struct Job {
     /// The way along the tool axis to the first pose, and away from the last pose, mm. There is none where
     /// the first pose is reached by a rapid, and where the path ends with a rapid.
     pub retract_mm: f64,
+    /// How far the tool may stray from the moves of the toolpath while the axes of the machine move in step
+    /// from end to end. The toolpath then holds the positions of the rotary axes, and none for `None`.
+    pub in_step: Option<Straying>,
     /// What writing a program moves the tip, mm: rounding, and straying between legs. Blends at corners
     /// leave it room.
     pub rounding_mm: f64,
@@ -114,6 +117,7 @@ impl Job {
             wants_samples: true,
             move_limit: DEFAULT_MOVE_LIMIT,
             retract_mm: DEFAULT_RETRACT_MM,
+            in_step: None,
             rounding_mm: 0.0,
         }
     }

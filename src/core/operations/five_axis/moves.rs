@@ -4,7 +4,10 @@
 //! 1. Each span is divided evenly into chords. An eighth of the largest second derivative bounds how far a
 //!    polynomial leaves its chord, and the Bernstein coefficients bound the second derivative. This gives the
 //!    number of chords.
-//! 2. The chords are proved against the given path by the proof of the rails (`deviation`).
+//! 2. Where a program is to state the positions of the axes, a chord is halved while the tool would stray too
+//!    far from it with all axes in step ([`Machine::straying`]). The toolpath holds the positions at the
+//!    ends: those of the motion, branch and turns included.
+//! 3. The chords are proved against the given path by the proof of the rails (`deviation`).
 //!
 //! # Guarantees
 //! * The moves are within the stated deviation of the given path, and the given path within it of the moves.
@@ -21,9 +24,10 @@ use super::drive::Drive;
 use super::leg::Leg;
 use super::path::Path;
 use super::rail::{Piece, Source, Span, join, tip, top};
-use super::stations::pose;
+use super::stations::{Followed, pose};
 use super::{FiveAxisError, Job, Rails};
 use crate::budget::Budget;
+use crate::machine::{AxisPositions, Machine, Straying};
 use crate::toolpath::path::{Builder, Role, Toolpath};
 use crate::toolpath::pose::{Pace, Pose};
 use crate::toolpath::rail::Rail;
@@ -38,6 +42,15 @@ pub const CHORDS_AT_CORNERS: f64 = 0.03;
 /// Chords of one span, at most.
 const MOST_CHORDS: f64 = 10_000.0;
 
+/// Halvings of a chord, at most. Each divides the straying by four.
+const MOST_HALVINGS: u32 = 20;
+
+/// How fast a rotary axis turns on a pole between a rapid and a cut, radians per second: 29 degrees by s.
+const TURN_PER_S: f64 = 0.5;
+
+/// An axis that turns by no more between two moves does not turn, radians: rounding.
+const SAME_ANGLE: f64 = 1e-10;
+
 /// Moves between two checks of the budget.
 const BETWEEN_CHECKS: usize = 256;
 
@@ -51,6 +64,26 @@ pub struct Moves {
     pub deviation: Deviation,
 }
 
+/// The motion along the rails: within limits, or at the feed with the axes of a machine or none.
+#[derive(Clone, Copy)]
+pub struct Along<'a> {
+    pub drive: Option<&'a Drive<'a>>,
+    pub followed: Option<&'a Followed<'a>>,
+}
+
+impl Along<'_> {
+    /// The positions of the axes at a parameter of a piece.
+    fn joints(&self, piece: usize, u: f64) -> Option<AxisPositions> {
+        match self.drive {
+            Some(drive) => drive.joints(piece, u),
+            None => Some(self.followed?.at(piece, u)),
+        }
+    }
+}
+
+/// The end of a chord: its parameter, and the positions of the axes where a program states them.
+type End = (f64, Option<AxisPositions>);
+
 /// The height of chords that is allowed beside a tolerance.
 fn allowed(tolerance: Deviation, part: f64) -> Deviation {
     Deviation { tip_mm: part * tolerance.tip_mm, axis: part * tolerance.axis }
@@ -60,7 +93,7 @@ pub fn moves(
     job: &Job,
     path: &Path,
     rails: &Rails,
-    drive: Option<&Drive>,
+    along: Along,
     budget: &Budget,
 ) -> Result<Moves, FiveAxisError> {
     let pieces = &rails.rail.pieces;
@@ -77,8 +110,11 @@ pub fn moves(
         allowed_at_corners: allowed(job.tolerance(), CHORDS_AT_CORNERS),
         path,
         rails,
-        drive,
+        along,
+        in_step: job.machine.as_ref().zip(job.in_step),
+        rotary: None,
     };
+    moving.rotate_to(moving.end(0, first.spans[0].from).1);
     moving.builder.begin_leaning_pass(None, start.axis);
     if begins_with_feed {
         moving.builder.line(start.tip, rate(first.feeds[0]), Role::LeadIn)?;
@@ -88,6 +124,7 @@ pub fn moves(
         if begins_pass {
             moving.builder.begin_pass(None);
         }
+        moving.turn_on_pole(k, piece)?;
         moving.piece(k, piece, budget)?;
     }
     if !last.is_rapid {
@@ -104,15 +141,88 @@ struct Moving<'a> {
     allowed_at_corners: Deviation,
     path: &'a Path,
     rails: &'a Rails,
-    drive: Option<&'a Drive<'a>>,
+    along: Along<'a>,
+    /// The machine whose axes move in step, and how far the tool may then stray.
+    in_step: Option<(&'a Machine, Straying)>,
+    /// The positions of the rotary axes at the end of the moves so far.
+    rotary: Option<[f64; 2]>,
 }
 
 impl Moving<'_> {
+    fn end(&self, piece: usize, u: f64) -> End {
+        (u, self.in_step.and_then(|_| self.along.joints(piece, u)))
+    }
+
+    /// During the next move the rotary axes turn to a position.
+    fn rotate_to(&mut self, joints: Option<AxisPositions>) {
+        if let Some(AxisPositions { rotary, .. }) = joints {
+            self.rotary = Some(rotary);
+            self.builder.rotate_next(rotary);
+        }
+    }
+
+    /// Where a rapid begins or ends on a pole, the axis that is free there turns to where the next piece
+    /// begins. The tool stands still.
+    fn turn_on_pole(&mut self, k: usize, piece: &Piece) -> Result<(), FiveAxisError> {
+        let (Some((machine, allowed)), Some(from)) = (self.in_step, self.rotary) else { return Ok(()) };
+        let (_, Some(AxisPositions { rotary: to, .. })) = self.end(k, piece.spans[0].from) else {
+            return Ok(());
+        };
+        let turns = [0, 1].map(|k| to[k] - from[k]);
+        let angle = turns[0].abs().max(turns[1].abs());
+        if angle <= SAME_ANGLE {
+            return Ok(());
+        }
+        let pose = pose(&piece.spans[0].start());
+        let at = |part: f64| machine.at(&pose.tip, [0, 1].map(|k| from[k] + turns[k] * part));
+        let halvings = (0..MOST_HALVINGS)
+            .find(|n| !is_farther(&machine.straying(&at(0.0), &at(0.5_f64.powi(*n as i32))), &allowed));
+        let count = 1_u32 << halvings.unwrap_or(MOST_HALVINGS);
+        for n in 1..=count {
+            self.rotate_to(Some(at(f64::from(n) / f64::from(count))));
+            self.builder.turn(pose.axis, Some(angle / TURN_PER_S / f64::from(count)), Role::Link)?;
+        }
+        Ok(())
+    }
+
+    /// The ends of the chords of a span: `count` even ones, halved where the tool would stray too far.
+    fn ends(&self, k: usize, span: &Span, count: usize) -> Vec<End> {
+        let mut ends = vec![self.end(k, span.from)];
+        for i in 1..=count {
+            let u = if i == count { span.to } else { span.from + span.length() * (i as f64 / count as f64) };
+            self.halve(k, [ends[ends.len() - 1], self.end(k, u)], MOST_HALVINGS, &mut ends);
+        }
+        ends
+    }
+
+    /// Adds the ends of a chord and of its halves.
+    fn halve(&self, k: usize, [from, to]: [End; 2], halvings: u32, ends: &mut Vec<End>) {
+        let strays = match (self.in_step, from.1, to.1) {
+            (Some((machine, allowed)), Some(first), Some(last)) => {
+                is_farther(&machine.straying(&first, &last), &allowed)
+            }
+            _ => false,
+        };
+        if strays && halvings > 0 && ends.len() <= MOST_CHORDS as usize {
+            let middle = self.end(k, 0.5 * (from.0 + to.0));
+            self.halve(k, [from, middle], halvings - 1, ends);
+            self.halve(k, [middle, to], halvings - 1, ends);
+        } else {
+            ends.push(to);
+        }
+    }
+
     fn piece(&mut self, k: usize, piece: &Piece, budget: &Budget) -> Result<(), FiveAxisError> {
         if piece.is_rapid {
-            let end = pose(&piece.spans[piece.spans.len() - 1].end());
-            self.builder.turn_next(end.axis)?;
-            return Ok(self.builder.rapid(end.tip)?);
+            for span in &piece.spans {
+                for (u, joints) in self.ends(k, span, 1).into_iter().skip(1) {
+                    let to = pose(&span.jet(u)[0]);
+                    self.rotate_to(joints);
+                    self.builder.turn_next(to.axis)?;
+                    self.builder.rapid(to.tip)?;
+                }
+            }
+            return Ok(());
         }
         let rests = piece.rests();
         for (n, span) in piece.spans.iter().enumerate() {
@@ -123,10 +233,8 @@ impl Moving<'_> {
             let bends = bends(span);
             let count = chords(bends, if is_blend { self.allowed_at_corners } else { self.allowed });
             let height = heights(bends, count);
-            let at = |i: usize| {
-                if i == count { span.to } else { span.from + span.length() * (i as f64 / count as f64) }
-            };
-            let places: Vec<_> = (0..=count).map(|i| span.jet(at(i))[0]).collect();
+            let ends = self.ends(k, span, count);
+            let places: Vec<_> = ends.iter().map(|(u, _)| span.jet(*u)[0]).collect();
             let legs: Vec<Leg> = match piece.sources[n] {
                 Source::Run(_) => Vec::new(),
                 source => {
@@ -135,15 +243,16 @@ impl Moving<'_> {
                 }
             };
             let first = self.builder.n_moves_of_pass();
-            for i in 0..count {
+            for i in 0..ends.len() - 1 {
                 let to = pose(&places[i + 1]);
-                let ends = [at(i), at(i + 1)];
+                self.rotate_to(ends[i + 1].1);
+                let ends = [ends[i].0, ends[i + 1].0];
                 if rests {
                     if matches!(piece.sources[n], Source::Run(_)) {
                         let axis = self.rails.deviation.axis + height.axis;
                         self.deviation.axis = self.deviation.axis.max(axis);
                     }
-                    let seconds = match self.drive {
+                    let seconds = match self.along.drive {
                         Some(drive) => drive.seconds(k, ends),
                         None => (top(&places[i + 1]) - top(&places[i])).norm() / piece.feeds[n],
                     };
@@ -152,7 +261,7 @@ impl Moving<'_> {
                     let chord = Span::line(ends[0], ends[1], places[i], places[i + 1]);
                     self.deviation =
                         self.deviation.max(self.of_chord(&chord, height, piece.sources[n], &legs));
-                    let speed = self.drive.map_or(piece.feeds[n], |drive| drive.largest_speed(k, ends));
+                    let speed = self.along.drive.map_or(piece.feeds[n], |drive| drive.largest_speed(k, ends));
                     self.builder.turn_next(to.axis)?;
                     self.builder.line(to.tip, rate(speed), Role::Cut)?;
                 }
@@ -225,6 +334,10 @@ fn chords(bends: Deviation, allowed: Deviation) -> usize {
 fn heights(bends: Deviation, count: usize) -> Deviation {
     let part = 1.0 / (count * count) as f64;
     Deviation { tip_mm: bends.tip_mm * part, axis: bends.axis * part }
+}
+
+fn is_farther(straying: &Straying, allowed: &Straying) -> bool {
+    straying.tip_mm > allowed.tip_mm || straying.axis > allowed.axis
 }
 
 fn rate(mm_per_s: f64) -> Option<FeedRate> {

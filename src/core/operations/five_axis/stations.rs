@@ -126,6 +126,34 @@ fn turn(from: &AxisPositions, to: &AxisPositions) -> f64 {
     (to.rotary[0] - from.rotary[0]).abs().max((to.rotary[1] - from.rotary[1]).abs())
 }
 
+/// The positions of the axes along all pieces of a path.
+pub struct Followed<'a> {
+    machine: &'a Machine,
+    pieces: &'a [Piece],
+    stations: Vec<Vec<Station>>,
+}
+
+impl<'a> Followed<'a> {
+    /// # Errors
+    /// Those of [`resolved`], with rapids that may jump.
+    pub fn new(
+        rail: &'a Rail,
+        machine: &'a Machine,
+        start: [f64; 2],
+        budget: &Budget,
+    ) -> Result<Self, FiveAxisError> {
+        let stations = resolved(rail, machine, start, true, budget)?;
+        Ok(Self { machine, pieces: &rail.pieces, stations })
+    }
+
+    /// The positions at a parameter of a piece.
+    pub fn at(&self, piece: usize, u: f64) -> AxisPositions {
+        let Piece { spans, .. } = &self.pieces[piece];
+        let span = &spans[self.pieces[piece].index_at(u)];
+        positions(self.machine, &self.stations[piece], span, u)
+    }
+}
+
 /// The positions at a parameter of a piece, on one of its spans, near those of the stations beside it: what
 /// was chosen there is not chosen again.
 pub fn positions(machine: &Machine, stations: &[Station], span: &Span, u: f64) -> AxisPositions {

@@ -6,7 +6,7 @@ use super::super::way::{ArcWay, parts};
 use super::super::{Fault, PathFault, direction};
 use super::Reader;
 use super::arguments::{numbers, shown, words};
-use toolpathd_core::toolpath::pose::{Pace, Pose};
+use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 
 /// A crossing of the line that is nearer to the start than this along the circle, radians, is the start.
 const AT_START: f64 = 1e-4;
@@ -59,7 +59,7 @@ impl Reader {
         let way = |part: f64| Pose { tip: arc.at(part), axis };
         let count = parts(way, self.reading.chords, arc.fewest_parts())?;
         for k in 1..=count {
-            self.trail.push(way(k as f64 / count as f64), pace, None)?;
+            self.trail.push(Waypoint::new(way(k as f64 / count as f64), pace))?;
         }
         self.enters = None;
         self.heading = Some(arc.direction_at_end());

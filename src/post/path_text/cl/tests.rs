@@ -51,6 +51,15 @@ fn a_file_is_read_with_its_axes_and_paces() {
 }
 
 #[test]
+fn the_first_point_behind_a_feed_is_reached_at_this_feed() {
+    let first = |text: &str| read(text, reading()).unwrap().path[0].pace;
+    let feed = Pace::Feed(FeedRate::from_mm_per_min(500.0).unwrap());
+    assert_eq!(first("FEDRAT/500,MMPM\nGOTO/0,0,0\nGOTO/10,0,0\n"), feed);
+    assert_eq!(first("FEDRAT/500,MMPM\nRAPID\nGOTO/0,0,0\nGOTO/10,0,0\n"), Pace::Rapid);
+    assert_eq!(first("GOTO/0,0,0\nFEDRAT/500,MMPM\nGOTO/10,0,0\n"), Pace::Rapid);
+}
+
+#[test]
 fn what_a_program_can_hold_is_carried_over() {
     let text = read(
         &FILE.replace("COOLNT/OFF", "PPRINT/HALF WAY").replace("RAPID", "COOLNT/MIST\nRAPID"),
@@ -203,6 +212,10 @@ fn what_is_not_read_is_refused_with_its_line() {
         ("SPINDL/90,SFM", "SPINDL/SFM"),
         ("LOADTL/1,TURRET", "LOADTL/TURRET"),
         ("TRANS/1,0,0", "TRANS"),
+        ("TRACUT/1,0,0,5,0,1,0,0,0,0,1,0", "TRACUT"),
+        ("COPY/1,TRANSL,0,0,5,3", "COPY/TRANSL"),
+        ("COPY/2", "COPY"),
+        ("CUTCOM/1", "CUTCOM"),
         ("MULTAX/SOME", "MULTAX/SOME"),
     ] {
         assert_eq!(refused(text), word);

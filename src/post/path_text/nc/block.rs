@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::super::table::{Row, Treatment};
 use super::super::tokens::{Block, Word};
-use super::super::{Fault, PathFault, refusal, tool_number};
+use super::super::{Fault, PathFault, Said, refusal, tool_number};
 use super::Reader;
 use super::words::{name_of, row_of};
 use crate::nc::{Effect, effect, modal_group};
@@ -50,7 +50,8 @@ impl Codes<'_> {
 
 impl Reader<'_> {
     pub(super) fn block(&mut self, block: &Block, text: &str) -> Result<(), Fault> {
-        let mut words = block.words.as_slice();
+        let words = of_the_first_spindle(&block.words)?;
+        let mut words = &*words;
         let is_klartext_line = words[0].value.is_none() && (words[0].name == "L" || words[0].name == "LN");
         if is_klartext_line {
             self.modal.apply(effect(10));
@@ -82,6 +83,10 @@ impl Reader<'_> {
                 return Err(refusal(name, row).into());
             }
             if name == "CYCLE800" || codes.takes(name) {
+                continue;
+            }
+            if name == "T" && word.value.is_none() {
+                self.named_tool(&text[word.place.clone()], &mut line);
                 continue;
             }
             match row.treatment {
@@ -136,11 +141,10 @@ impl Reader<'_> {
                 "TRAORI" => self.set_tip(true)?,
                 "TRAFOOF" => self.set_tip(false)?,
                 "FMAX" => line.is_rapid = true,
-                // The name of a tool.
-                "T" => self.trail.left_alone("T"),
+                "ORIWKS" | "ORIVECT" => self.turns_on_circle = true,
+                "ORIAXES" => self.turns_on_circle = false,
                 // Alone in its line, such a word only ends a mode.
-                "ORIWKS" | "ORIAXES" | "ORIVECT" | "TRANS" | "ROT" | "SCALE" | "MIRROR" | "ATRANS"
-                | "AROT" => {}
+                "TRANS" | "ROT" | "SCALE" | "MIRROR" | "ATRANS" | "AROT" => {}
                 name => return Err(PathFault::NoNumber(name.to_owned())),
             }
             return Ok(());
@@ -167,7 +171,7 @@ impl Reader<'_> {
             "S" if value > 0.0 => self.spindle_rpm = Some(value),
             "S" => return Err(PathFault::BadNumber(format!("S{value}"))),
             "T" => {
-                self.selected = Some(tool_number(value)?);
+                self.selected = Some(Said { value: Some(tool_number(value)?), line: self.trail.line });
                 line.changes_tool |= !self.survey.has_m6;
             }
             "N" | "H" => {}
@@ -246,8 +250,11 @@ impl Reader<'_> {
             return Err(PathFault::Refused { word: "O".to_owned(), advice }.into());
         }
         if line.changes_tool {
-            let number = self.selected.ok_or_else(|| PathFault::NoNumber("the T of M6".to_owned()))?;
-            self.change_tool(number);
+            let tool = self.selected.ok_or_else(|| PathFault::NoNumber("the T of M6".to_owned()))?;
+            self.change_tool(tool.value);
+        }
+        if let Some(number) = value("H") {
+            self.length_offset(number, codes)?;
         }
         self.spindle_is_on |= line.begins_spindle;
         self.set_spindle();
@@ -281,6 +288,33 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// `T="NAME"`. A name that is a number is that number.
+    fn named_tool(&mut self, word: &str, line: &mut Line) {
+        let name = word.split('"').nth(1).unwrap_or_default();
+        let number = name.trim().parse().ok().and_then(|value| tool_number(value).ok());
+        if number.is_none() {
+            self.trail.left_alone("T");
+        }
+        self.selected = Some(Said { value: number, line: self.trail.line });
+        line.changes_tool |= !self.survey.has_m6;
+    }
+
+    /// The H of a length offset, which no other offset may follow on the path. Without a code of an offset
+    /// in force, H is a word for the machine.
+    fn length_offset(&mut self, number: f64, codes: &Codes) -> Result<(), PathFault> {
+        let begins = ["G43", "G43.4", "G43.5", "G234"].iter().any(|name| codes.has(name));
+        match self.length_offset {
+            None if !begins => self.trail.left_alone("H"),
+            Some(own) if own != number && !self.trail.is_empty() => {
+                let advice =
+                    "another length offset moves the tip; send the motions of each as a request of its own";
+                return Err(PathFault::Refused { word: format!("H{number}"), advice });
+            }
+            _ => self.length_offset = Some(number),
+        }
+        Ok(())
+    }
+
     /// G52: moves the origin of the coordinates that follow.
     fn local(&mut self, value: impl Fn(&str) -> Option<f64>) -> Result<(), PathFault> {
         if ["A", "B", "C"].iter().any(|name| value(name).is_some()) {
@@ -311,6 +345,30 @@ impl Reader<'_> {
     pub(super) fn unit_mm(&self) -> f64 {
         self.modal.units.unwrap_or_default().mm()
     }
+}
+
+/// The words of a block in which `M1=3` is M3 of the first spindle, and `S1=500` its speed.
+///
+/// # Errors
+/// Words of other spindles.
+fn of_the_first_spindle<'a>(words: &'a [Word<'a>]) -> Result<Cow<'a, [Word<'a>]>, PathFault> {
+    let spindle = |word: &Word| {
+        let number = word.name.strip_prefix(['M', 'S'])?;
+        (!number.is_empty() && word.value.is_some()).then(|| number.parse::<u32>().ok()).flatten()
+    };
+    if let Some(other) = words.iter().find(|word| spindle(word).is_some_and(|number| number != 1)) {
+        let word = format!("{}={}", other.name, other.value.unwrap_or_default());
+        let advice = "only the first spindle turns the tool; leave the words of others out";
+        return Err(PathFault::Refused { word, advice });
+    }
+    if words.iter().all(|word| spindle(word).is_none()) {
+        return Ok(Cow::Borrowed(words));
+    }
+    let plain = |word: &Word<'a>| match spindle(word) {
+        Some(_) => Word { name: word.name[..1].to_owned().into(), ..word.clone() },
+        None => word.clone(),
+    };
+    Ok(Cow::Owned(words.iter().map(plain).collect()))
 }
 
 impl Line {

@@ -10,7 +10,7 @@ use crate::nc::{Distance, FeedMode, Motion};
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::machine::AxisPositions;
-use toolpathd_core::toolpath::pose::{Pace, Pose};
+use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
 use toolpathd_core::toolpath::tool_axes::{angle_between, between};
 use toolpathd_core::toolpath::units::FeedRate;
 
@@ -25,7 +25,7 @@ const RADIUS_MISMATCH_MM: f64 = 0.02;
 /// Axes at a smaller angle are the same, radians: at 100 mm from the tip this is a tenth of a nanometre.
 const SAME_AXIS: f64 = 1e-9;
 
-/// The most by which an angle changes between two poses of an arc, or of a line without tip control, radians.
+/// The most by which an angle changes between two poses of an arc, or of a line with angles, radians.
 /// With larger values a full turn has the length of none.
 const MAX_TURN: f64 = 0.5;
 
@@ -76,20 +76,25 @@ impl Reader<'_> {
         }
         match (motion, self.stand()) {
             (Motion::Rapid, Some(to)) => {
-                let pose = self.pose(&to);
-                self.trail.push(pose, Pace::Rapid, self.rotary(&to, self.is_stated))
+                let rotary = self.rotary(&to, self.is_stated);
+                self.trail.push(Waypoint { rotary, ..Waypoint::new(self.pose(&to), Pace::Rapid) })
             }
             // The path begins where all coordinates are known.
             (Motion::Rapid, None) => Ok(()),
             (_, None) => Err(PathFault::NoStart.into()),
             (Motion::Line, Some(to)) if start.is_none() && self.trail.is_empty() => {
-                let pose = self.pose(&to);
-                self.trail.push(pose, Pace::Rapid, self.rotary(&to, self.is_stated))
+                if self.modal.feed_mode == Some(FeedMode::InverseTime) {
+                    return Err(PathFault::NoStart.into());
+                }
+                let (pose, pace) = (self.pose(&to), Pace::Feed(self.feed_over(0.0, line.has_feed, 1)?));
+                let rotary = self.rotary(&to, self.is_stated);
+                self.trail.push(Waypoint { rotary, ..Waypoint::new(pose, pace) })
             }
             (motion, Some(to)) => {
                 let start = start.ok_or(PathFault::NoStart)?;
                 if self.trail.is_empty() {
-                    self.trail.push(self.pose(&start), Pace::Rapid, self.rotary(&start, was_stated))?;
+                    let rotary = self.rotary(&start, was_stated);
+                    self.trail.push(Waypoint { rotary, ..Waypoint::new(self.pose(&start), Pace::Rapid) })?;
                 }
                 match motion {
                     Motion::Arc(turn) => self.arc(line, turn, &start, &to),
@@ -115,6 +120,10 @@ impl Reader<'_> {
             let Some(own) = own.map(|own| own * unit_mm) else { continue };
             let from = if is_relative { self.modal.at[k].ok_or(PathFault::NoStart)? } else { self.shift[k] };
             self.modal.at[k] = Some(coordinate(from + own)?);
+        }
+        if self.has_spatial_angles && line.angles.iter().any(Option::is_some) {
+            let advice = "write AXIS POS with positions of the rotary axes, or LN with TX, TY and TZ";
+            return Err(PathFault::Refused { word: "an angle under AXIS SPAT".to_owned(), advice });
         }
         for (letter, angle) in ['A', 'B', 'C'].into_iter().zip(line.angles) {
             let Some(angle) = angle.map(f64::to_radians) else { continue };
@@ -146,10 +155,13 @@ impl Reader<'_> {
         (stand.vector.is_none() && is_stated == [true; 2]).then_some(stand.angles)
     }
 
-    /// A line: of the tip with tip control, and of all axes in step without.
+    /// A line of the tip with tip control, or of all axes without. The angles turn in step with it, unless
+    /// the axis turns on the great circle.
     fn straight(&mut self, line: &Line, from: &Stand, to: &Stand) -> Result<(), Fault> {
         let turned = [0, 1].map(|k| to.angles[k] - from.angles[k]);
-        if self.keeps_tip() || turned == [0.0; 2] {
+        let has_vectors = from.vector.is_some() || to.vector.is_some();
+        let is_circle = self.keeps_tip() && (has_vectors || self.turns_on_circle);
+        if is_circle || turned == [0.0; 2] {
             return self.divided(line, from, 1, |_| *to);
         }
         let stand = |part: f64| Stand {
@@ -175,10 +187,17 @@ impl Reader<'_> {
             let pose = self.pose(&there);
             let way_mm = self.way_mm(&before, &pose);
             let pace = Pace::Feed(self.feed_over(way_mm, line.has_feed, count)?);
-            self.trail.push(pose, pace, self.rotary(&there, self.is_stated))?;
+            let rotary = self.rotary(&there, self.is_stated);
+            self.trail.push(Waypoint { pose, pace, rotary, seconds: self.seconds(count) })?;
             before = pose;
         }
         Ok(())
+    }
+
+    /// The time of one of `count` even parts of a block under G93, s.
+    fn seconds(&self, count: usize) -> Option<f64> {
+        let per_minute = self.modal.feed.filter(|_| self.modal.feed_mode == Some(FeedMode::InverseTime))?;
+        Some(60.0 / (per_minute * count as f64))
     }
 
     /// The way that the feed counts: that of the tip, and of the top where the tip rests, mm.
@@ -247,7 +266,7 @@ impl Reader<'_> {
     fn feed_over(&self, way_mm: f64, has_feed: bool, count: usize) -> Result<FeedRate, PathFault> {
         match (self.modal.feed_mode, self.modal.feed) {
             (Some(FeedMode::InverseTime), own) => {
-                let per_minute = own.filter(|_| has_feed).ok_or(PathFault::NoFeed)?;
+                let per_minute = own.filter(|_| has_feed).ok_or(PathFault::NoBlockTime)?;
                 if per_minute <= 0.0 {
                     return Err(PathFault::BadFeed(per_minute));
                 }

@@ -38,12 +38,22 @@ impl Reader<'_> {
             Treatment::Read => match name.as_str() {
                 "BEGIN PGM" => self.begin(words, text),
                 "END PGM" => self.has_ended = true,
-                "FUNCTION TCPM" => self.set_tip(true)?,
+                "FUNCTION TCPM" => self.tip_control(words)?,
                 "FUNCTION RESET" => self.set_tip(false)?,
                 _ => self.call(&words[1..])?,
             },
         }
         Ok(true)
+    }
+
+    /// `FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS`. With AXIS SPAT, A, B and C are no positions of axes.
+    fn tip_control(&mut self, words: &[Word]) -> Result<(), PathFault> {
+        let has = |first: &str, second: &str| {
+            words.windows(2).any(|pair| pair[0].name == first && pair[1].name == second)
+        };
+        self.has_spatial_angles = has("AXIS", "SPAT");
+        self.turns_on_circle = has("PATHCTRL", "VECTOR");
+        self.set_tip(true)
     }
 
     /// `BEGIN PGM name MM`.
@@ -60,8 +70,7 @@ impl Reader<'_> {
         match words[0].value {
             Some(number) => {
                 let number = tool_number(number)?;
-                self.selected = Some(number);
-                self.change_tool(number);
+                self.change_tool(Some(number));
             }
             None => self.trail.left_alone("TOOL CALL"),
         }

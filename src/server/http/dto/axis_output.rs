@@ -4,6 +4,7 @@ use crate::http::dto::check::Violations;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use toolpathd_core::machine::{Machine, Straying};
+use toolpathd_core::operations::five_axis::MotionLimits;
 use toolpathd_post::{AxisOutput, Dialect, FiveAxes};
 
 /// What a program of a leaning tool needs besides the toolpath.
@@ -12,6 +13,7 @@ pub struct AxisSetup {
     output: AxisOutput,
     machine: Option<Machine>,
     allowed: Straying,
+    speeds: [f64; 5],
 }
 
 impl AxisSetup {
@@ -53,12 +55,36 @@ impl AxisSetup {
             let detail = "angles and positions of axes need a machine: send `machine`";
             violations.add(&Pointer::root().field("machine"), FieldCode::MissingField, detail);
         }
-        Some(Self { output, machine, allowed })
+        Some(Self { output, machine, allowed, speeds: [f64::INFINITY; 5] })
+    }
+
+    /// No axis is to be faster than these limits allow.
+    pub fn limit(&mut self, limits: &MotionLimits) {
+        if let Some(machine) = &self.machine {
+            self.speeds = limits.speeds(machine);
+        }
+    }
+
+    /// How far the tool may stray while the axes move in step. `None` where the program does not state their
+    /// positions.
+    pub fn in_step(&self) -> Option<Straying> {
+        use toolpathd_post::AxisOutput::{Angles, Machine as Positions, Rails, Vectors};
+        match self.output {
+            Positions => Some(self.allowed),
+            // The control keeps the tip on its line.
+            Angles => Some(Straying { tip_mm: f64::INFINITY, ..self.allowed }),
+            Vectors | Rails => None,
+        }
     }
 
     /// The same for the writer of programs.
     pub fn five_axes(&self) -> FiveAxes<'_> {
-        FiveAxes { output: self.output, machine: self.machine.as_ref(), allowed: self.allowed }
+        FiveAxes {
+            output: self.output,
+            machine: self.machine.as_ref(),
+            allowed: self.allowed,
+            speeds: self.speeds,
+        }
     }
 
     /// How far the tip may stray between blocks, mm: only where the program states positions.

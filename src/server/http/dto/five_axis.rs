@@ -186,14 +186,21 @@ impl IntoJob for SmoothRequest {
         violations.optional(&root.field("top_distance_mm"), top_distance_mm, Range::POSITIVE, "mm");
         violations.optional(&root.field("retract_mm"), retract_mm, RETRACT_MM, "mm");
         violations.optional(&root.field("sample_period_ms"), sample_period_ms, PERIOD_MS, "ms");
+        let is_sent = machine.is_some();
         let machine = machine.and_then(|sent| sent.convert(&root.field("machine"), &mut violations));
-        let motion =
-            sent_limits.map(|sent| sent.convert(&root.field("limits"), machine.as_ref(), &mut violations));
+        // What speaks of the axes of a machine that is refused cannot be checked.
+        let is_known = machine.is_some() || !is_sent;
+        let motion = sent_limits
+            .filter(|_| is_known)
+            .map(|sent| sent.convert(&root.field("limits"), machine.as_ref(), &mut violations));
         let has_program = program.is_some() || cutting.is_some() || tool.is_some() || axis_output.is_some();
         let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
         let swing_mm = tool.map_or(0.0, |tool| tool.swing_mm());
         let sent = SentSetup { tool, cutting, program: program.unwrap_or_default(), meta };
         let (mut setup, cutting, meta) = sent.convert(&mut violations);
+        if !is_known {
+            return Err(violations.into_error());
+        }
 
         let top_mm = top_distance_mm.unwrap_or(core::DEFAULT_TOP_MM);
         let feed =
@@ -215,6 +222,9 @@ impl IntoJob for SmoothRequest {
         setup.five_axes =
             AxisSetup::choose(axis_output, machine.clone(), setup.dialect, allowed, &mut violations);
         violations.result()?;
+        if let (Some(five), Some(motion)) = (&mut setup.five_axes, &motion) {
+            five.limit(motion);
+        }
         let strays_mm = setup.five_axes.as_ref().map_or(0.0, AxisSetup::strays_mm);
         let job = core::Job {
             path,
@@ -232,6 +242,7 @@ impl IntoJob for SmoothRequest {
             wants_samples: true,
             move_limit: limits.moves,
             retract_mm: retract_mm.unwrap_or(core::DEFAULT_RETRACT_MM),
+            in_step: setup.five_axes.as_ref().and_then(AxisSetup::in_step),
             // Half a unit along each coordinate.
             rounding_mm: 0.5 * 3f64.sqrt() * step_mm + strays_mm,
         };

@@ -177,8 +177,8 @@ pub struct WriteReport {
     arc_adjustment_max_mm: f64,
     /// Largest difference between the radii at the start and at the end of a written arc, in mm.
     radius_mismatch_max_mm: f64,
-    /// How much longer blocks under G93 take in all that are too short for the largest F that the control
-    /// reads, in s. Absent where there are none.
+    /// How much longer blocks take in all that are too short for the largest F that the control reads, in s:
+    /// those under G93, and turns whose F counts degrees by the minute. Absent where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     slowed_s: Option<f64>,
     /// Number of written blocks that move or pause.

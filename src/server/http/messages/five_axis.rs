@@ -74,6 +74,14 @@ pub fn path_text(error: &PathTextError) -> String {
     }
 }
 
+/// The warning that a program states the axis of the tool alone, and the control chooses the positions.
+pub fn positions_of_control() -> Warning {
+    Warning {
+        code: WarningCode::PositionsOfControl,
+        detail: "the program states the tool axis, and the control chooses positions and speeds of the rotary axes: the limits hold for the samples, and the control keeps its own; send `axis_output: angles` or `machine` to state the positions of the motion".to_owned(),
+    }
+}
+
 /// The warning of the words of a program that were left alone. `None` without such words.
 pub fn words_left_alone_in(words: &[toolpathd_nc::notes::LeftWord]) -> Option<Warning> {
     let words: Vec<LeftWord> = words

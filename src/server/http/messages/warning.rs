@@ -59,6 +59,8 @@ pub enum WarningCode {
     LimitsNotProved,
     /// The motion takes over 5 % longer than the proved lower bound of its time.
     AboveLowerBound,
+    /// The program states the tool axis, and the control chooses the positions of the rotary axes.
+    PositionsOfControl,
     /// The cutter is too large for some of the contour.
     ContourNotReached,
     /// The program starts no spindle.

@@ -12,7 +12,7 @@ use crate::http::dto::five_axis::{
 };
 use crate::http::dto::program_writing::conditions;
 use crate::http::error::ApiError;
-use crate::http::messages::Warning;
+use crate::http::messages::{self, Warning};
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Form, Offers, Toolpaths, Wanted};
 use crate::http::request::representation::Representation;
@@ -102,6 +102,9 @@ impl Product for Motion {
 fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Report, Motion>, ApiError> {
     let SmoothJob { mut job, setup, cutting, has_program, meta, text } = job;
     job.wants_samples = shown.samples;
+    let states_positions = job.in_step.is_some();
+    // Only a program needs moves that are so short.
+    job.in_step = job.in_step.filter(|_| shown.program);
     let plan = five_axis::plan(&job, budget)?;
     let diagrams = if shown.diagrams { diagrams(&job, &plan, budget)? } else { Vec::new() };
     let Plan { report, samples, period_s: _, toolpath, warnings } = plan;
@@ -114,6 +117,9 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Repor
         cutting.coolant = text.coolant.unwrap_or(cutting.coolant);
         warnings.extend(caution.map(Warning::from));
         warnings.extend(report.warning_of_program(&job).as_ref().map(Warning::from));
+        if job.limits.is_some() && job.machine.is_some() && !states_positions {
+            warnings.extend(setup.five_axes.as_ref().map(|_| messages::positions_of_control()));
+        }
         cutting
     });
     let given = job.path.iter().map(|waypoint| waypoint.pose.tip).collect();

@@ -4,8 +4,11 @@ use nalgebra::Rotation3;
 use proptest::prelude::*;
 
 use super::*;
+use crate::machine::Straying;
 use crate::machine::named::{by_name, named};
 use crate::operations::five_axis::{AtPole, path};
+use crate::toolpath::path::Move;
+use crate::toolpath::tool_axes::angle_between;
 
 /// The tolerance of the axis in these tests, degrees.
 const TOLERANCE_DEG: f64 = 0.2;
@@ -224,4 +227,41 @@ fn a_job_chooses_what_its_path_does_at_poles() {
     assert!(matches!(run(AtPole::Refuse), Err(FiveAxisError::OnPole { .. })));
     let away = Job { at_pole: AtPole::Refuse, ..on(&machine, across(1.0, 3)) };
     assert_eq!(plan(&away, &Budget::unlimited()).unwrap().report.n_through_poles, 0);
+}
+
+#[test]
+fn the_moves_for_a_program_hold_the_positions_of_the_motion_and_stray_by_no_more_than_allowed() {
+    for machine in named() {
+        for (off, limits) in [(0.0, true), (0.02, true), (0.5, true), (0.02, false), (30.0, true)] {
+            let allowed = Straying { tip_mm: 0.002, axis: 2e-4 };
+            let mut job = Job { in_step: Some(allowed), ..on(&machine, across(off, 1)) };
+            job.limits = job.limits.filter(|_| limits);
+            let plan = plan(&job, &Budget::unlimited()).unwrap();
+            let name = format!("{} {off} {limits}", machine.name());
+            let mut from = plan.toolpath.start();
+            for pass in plan.toolpath.passes() {
+                let rotary = pass.rotary().unwrap();
+                assert_eq!(rotary.ends.len(), pass.moves().len(), "{name}");
+                let mut before = machine.at(&from, rotary.start);
+                for (k, step) in pass.moves().iter().enumerate() {
+                    if let Move::Feed { along, .. } = step {
+                        from = along.end();
+                    }
+                    let joints = machine.at(&from, rotary.ends[k]);
+                    let axis = machine.forward(&joints).axis;
+                    assert!(angle_between(&axis, &pass.axes().after(k)) < 1e-9, "{name}: move {k}");
+                    let straying = machine.straying(&before, &joints);
+                    assert!(
+                        straying.axis <= allowed.axis && straying.tip_mm <= allowed.tip_mm,
+                        "{name}: {k}"
+                    );
+                    before = joints;
+                }
+            }
+            // The same branch and turns as in the samples.
+            let last = plan.samples.last().and_then(|sample| sample.joints).unwrap().rotary;
+            let end = plan.toolpath.passes().last().and_then(|pass| pass.rotary()?.ends.last().copied());
+            assert!((0..2).all(|k| (end.unwrap()[k] - last[k]).abs() < 1e-9), "{name}");
+        }
+    }
 }

@@ -33,7 +33,7 @@ pub const G_CODES: &[Row] = &[
         "coordinates are no places of the tool under this mode; write X, Y and Z",
     ),
     left(
-        "G64, G9, G60, G61, G61.1, G62, G63",
+        "G64, G9, G60, G61, G61.1, G62",
         "P Q",
         "G64 P0.01 Q0.01",
         "exact stop and path control of the control",
@@ -56,7 +56,7 @@ pub const G_CODES: &[Row] = &[
         "G31 Z0 F100",
         "leave the line out, or send what stands before and behind it",
     ),
-    refused("G33, G33.1, G34, G76", "G33 Z-5 K1", POINTS),
+    refused("G33, G33.1, G34, G63, G76", "G33 Z-5 K1", POINTS),
     refused("G38.2, G38.3, G38.4, G38.5", "G38.2 Z0 F100", "probe in a program of its own"),
     read("G40", "", "G40", "ends compensation of the radius, which no read program begins"),
     refused("G41, G39, G41.1, G41.2, G42, G42.1, G42.2", "G41 D1", "send the path of the centre of the tool"),

@@ -20,7 +20,12 @@ pub const NAMES: &[Row] = &[
     read("S", "", "S5000 M3", "the speed of M3"),
     read("T", "", "T1", "the tool of M6, or of itself in a program without M6; T0 is none"),
     left("D", "", "D1", "the answer selects the offset of its own tool"),
-    read("H", "", "G43 H1", "the length offset; the answer selects that of its own tool"),
+    read(
+        "H",
+        "",
+        "G43 H1",
+        "the length offset of G43; another one on the path is refused, and without G43 it is left alone",
+    ),
     read("N", "", "N10 G0 X1", "the number of a block, to which nothing jumps"),
     read("O", "", "O0007", "the number of the program; the answer's is program.number"),
     refused("P, Q, E", "G1 X1 P1 F500", "it has no meaning without its code; name the code in its line"),
@@ -51,7 +56,7 @@ pub const NAMES: &[Row] = &[
         "ORIWKS, ORIAXES, ORIVECT",
         "",
         "ORIWKS",
-        "how the axis turns between blocks: the answer turns it evenly",
+        "how the axis turns under tip control: with ORIAXES angles turn in step, else on the great circle",
     ),
     refused(
         "ORICURVE, ORIMKS, ORICONCW, ORICONCCW, ORIPLANE, PO, POLY, POLYPATH, BSPLINE, ASPLINE, CSPLINE",
@@ -95,7 +100,7 @@ pub const NAMES: &[Row] = &[
         "FUNCTION TCPM, FUNCTION RESET",
         "",
         "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS",
-        "Klartext: tip control begins and ends",
+        "Klartext: tip control begins and ends; A, B and C under AXIS SPAT are refused",
     ),
     left(
         "BLK FORM, TOOL DEF, CYCL DEF 32, CYCL DEF 247, PLANE RESET",

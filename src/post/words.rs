@@ -94,9 +94,12 @@ pub fn per_minute_at_most(value: f64, numbers: &Numbers) -> Option<FeedWord> {
         digits: (value * 10f64.powi(i32::from(decimals))).floor() as i64,
         decimals,
     };
-    let mut words = (0..=numbers.max_feed_decimals).filter(|_| value <= MAX_FEED).map(with);
-    let last = words.clone().last().filter(|word| word.digits > 0);
-    words.find(|word| word.value() >= (1.0 - LESS) * value).or(last)
+    if value > MAX_FEED {
+        return None;
+    }
+    let most = numbers.max_feed_decimals;
+    let near = (0..=most).map(with).find(|word| word.value() >= (1.0 - LESS) * value);
+    near.or_else(|| Some(with(most)).filter(|word| word.digits > 0))
 }
 
 /// A spindle speed as digits and decimals. A whole number stays whole; other speeds are rounded to the

@@ -47,7 +47,7 @@ OWN_FILES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "files")
 CHORD = 2 * 60 * math.sin(math.radians(30)) * math.sin(math.radians(45))
 ARC = 50 * math.sin(math.radians(30)) * math.radians(90)
 # File, form, machine, poses, the length in mm of each motion behind the first pose with its time in s, and the words left
-# alone. A cut that turns an axis without tip control has as many poses as its tolerance needs.
+# alone. A cut that turns an axis by its angle has as many poses as its tolerance needs.
 OWN = [
     ("columns.txt", "path", "table_table_ac", 4, [(220, 220 / FEED * 60)], None),
     (
@@ -56,7 +56,7 @@ OWN = [
         "CUTTER in line 5, comment in line 17",
     ),
     (
-        "strip-xyzac.ngc", "nc", "table_table_ac", 8,
+        "strip-xyzac.ngc", "nc", "table_table_ac", None,
         [(50, 50 / RAPID * 60), (10, 2), (50, 2), (50, 2), (0, 3), (50, 2), (60, 60 / RAPID * 60)],
         "comment in line 12",
     ),

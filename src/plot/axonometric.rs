@@ -99,12 +99,13 @@ fn trace(
 ) -> Option<Paths> {
     let mut pens = Class::ALL.map(|_| Pen::new(raster_mm));
     let is_within = |pens: &[Pen]| pens.iter().map(Pen::bytes).sum::<usize>() <= max_bytes;
-    let Drawing { relief, surface, curve, uncut, band, joints } = scene.drawing;
+    let Drawing { relief, surface, curve, uncut, band, joints, poses, tool_axes } = scene.drawing;
     let sides = relief.as_ref().map(sides).unwrap_or_default();
     let polylines = [
         (Class::Band, band),
         (Class::Wire, &sides),
         (Class::Wire, surface),
+        (Class::ToolAxis, tool_axes),
         (Class::Curve, curve),
         (Class::Uncut, uncut),
     ];
@@ -125,8 +126,10 @@ fn trace(
             return None;
         }
     }
-    for joint in joints {
-        polyline(&[*joint, *joint], isometric, depth, &mut pens[Class::Joint as usize]);
+    for (class, dots) in [(Class::Joint, joints), (Class::Pose, poses)] {
+        for dot in dots {
+            polyline(&[*dot, *dot], isometric, depth, &mut pens[class as usize]);
+        }
     }
     is_within(&pens).then(|| pens.map(Pen::finish))
 }

@@ -9,8 +9,10 @@ use toolpathd_core::toolpath::Role;
 pub enum Class {
     Band,
     Wire,
+    ToolAxis,
     Curve,
     Uncut,
+    Pose,
     Rapid,
     Link,
     CutLine,
@@ -21,11 +23,13 @@ pub enum Class {
 }
 
 impl Class {
-    pub const ALL: [Class; 11] = [
+    pub const ALL: [Class; 13] = [
         Class::Band,
         Class::Wire,
+        Class::ToolAxis,
         Class::Curve,
         Class::Uncut,
+        Class::Pose,
         Class::Rapid,
         Class::Link,
         Class::CutLine,
@@ -40,8 +44,10 @@ impl Class {
         match self {
             Class::Band => "band",
             Class::Wire => "wire",
+            Class::ToolAxis => "tool-axis",
             Class::Curve => "curve",
             Class::Uncut => "uncut",
+            Class::Pose => "pose",
             Class::Rapid => "rapid",
             Class::Link => "link",
             Class::CutLine => "cut",
@@ -57,8 +63,10 @@ impl Class {
         match self {
             Class::Band => "band",
             Class::Wire => "surface",
+            Class::ToolAxis => "tool axis, at even times",
             Class::Curve => "curve",
             Class::Uncut => "uncut",
+            Class::Pose => "given pose",
             Class::Rapid => "rapid",
             Class::Link => "link",
             Class::CutLine => "cut, line",
@@ -75,8 +83,10 @@ impl Class {
         match self {
             Class::Band => "stroke:#8a8a8a;stroke-width:.13;stroke-dasharray:1 .6;stroke-linecap:butt",
             Class::Wire => "stroke:#8a8a8a;stroke-width:.13",
+            Class::ToolAxis => "stroke:#c7895b;stroke-width:.18",
             Class::Curve => "stroke:#000;stroke-width:.13",
             Class::Uncut => "stroke:#c00000;stroke-width:.45",
+            Class::Pose => "stroke:#6a6a6a;stroke-width:.6",
             Class::Rapid => "stroke:#d55e00;stroke-width:.18;stroke-dasharray:1.8 1.2;stroke-linecap:butt",
             Class::Link => "stroke:#b0508a;stroke-width:.3;stroke-dasharray:2.4 .7 .5 .7;stroke-linecap:butt",
             Class::CutLine => "stroke:#0072b2;stroke-width:.18",

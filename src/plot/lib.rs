@@ -81,6 +81,10 @@ pub struct Drawing {
     pub band: Vec<Vec<Point3<f64>>>,
     /// The places where elements meet.
     pub joints: Vec<Point3<f64>>,
+    /// Given places of the tip. They are drawn below the path.
+    pub poses: Vec<Point3<f64>>,
+    /// Lines along the tool axis, from the tip.
+    pub tool_axes: Vec<Vec<Point3<f64>>>,
 }
 
 impl Drawing {
@@ -95,8 +99,9 @@ impl Drawing {
 
     fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
         let shaded = self.relief.iter().flat_map(Mesh::points);
-        let lines = self.surface.iter().chain(&self.curve).chain(&self.uncut).chain(&self.band).flatten();
-        lines.chain(&self.joints).chain(shaded)
+        let lines = self.surface.iter().chain(&self.curve).chain(&self.uncut).chain(&self.band);
+        let all = lines.chain(&self.tool_axes).flatten();
+        all.chain(&self.joints).chain(&self.poses).chain(shaded)
     }
 }
 
@@ -173,9 +178,14 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
     let is_within = |pens: &[[Pen; Class::ALL.len()]; 3]| {
         pens.iter().flatten().map(Pen::bytes).sum::<usize>() <= max_bytes
     };
-    let Drawing { relief: _, surface, curve, uncut, band, joints } = scene.drawing;
-    let polylines =
-        [(Class::Band, band), (Class::Wire, surface), (Class::Curve, curve), (Class::Uncut, uncut)];
+    let Drawing { relief: _, surface, curve, uncut, band, joints, poses, tool_axes } = scene.drawing;
+    let polylines = [
+        (Class::Band, band),
+        (Class::Wire, surface),
+        (Class::ToolAxis, tool_axes),
+        (Class::Curve, curve),
+        (Class::Uncut, uncut),
+    ];
     for (class, wires) in polylines {
         for wire in wires {
             for (view, pens) in layout.views.iter().zip(&mut pens) {
@@ -195,9 +205,11 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
             return None;
         }
     }
-    for joint in joints {
-        for (view, pens) in layout.views.iter().zip(&mut pens) {
-            trace_wire(view, std::slice::from_ref(joint), &mut pens[Class::Joint as usize]);
+    for (class, dots) in [(Class::Joint, joints), (Class::Pose, poses)] {
+        for dot in dots {
+            for (view, pens) in layout.views.iter().zip(&mut pens) {
+                trace_wire(view, std::slice::from_ref(dot), &mut pens[class as usize]);
+            }
         }
     }
     if !is_within(&pens) {

@@ -5,7 +5,7 @@
 //! | Fanuc, Haas, Mazak | G43.4, G234 to G49 | A B C angles |
 //! | Fanuc | G43.5 to G49 | I J K vector |
 //! | LinuxCNC | M428 to M429 | A B C angles |
-//! | Siemens | TRAORI to TRAFOOF | A3 B3 C3 vector, or A B C angles |
+//! | Siemens | TRAORI to TRAFOOF | A3 B3 C3 vector, A B C angles, or a second point under ORICURVE |
 //! | Heidenhain | M128, TCPM to M129 | TX TY TZ vector in LN blocks, or A B C angles |
 //!
 //! In a program that never keeps the tip, coordinates are the positions of the linear axes of the machine.
@@ -22,10 +22,11 @@
 
 mod block;
 mod motion;
+mod polynomial;
 mod statement;
 mod words;
 
-use nalgebra::UnitVector3;
+use nalgebra::{UnitVector3, Vector3};
 
 use super::tokens::{self, Block, Point, Word};
 use super::trail::Trail;
@@ -63,6 +64,8 @@ pub fn read(
         length_offset: None,
         turns_on_circle: false,
         has_spatial_angles: false,
+        has_second_point: false,
+        second: None,
         has_begun: false,
         has_ended: false,
         continues: false,
@@ -144,6 +147,9 @@ struct Reader<'a> {
     turns_on_circle: bool,
     /// Whether A, B and C are angles of the tool in space, not positions of axes.
     has_spatial_angles: bool,
+    /// Whether a second point states the axis, and that point, mm.
+    has_second_point: bool,
+    second: Option<Vector3<f64>>,
     has_begun: bool,
     has_ended: bool,
     /// The next line holds more parameters of a cycle that was left alone.
@@ -156,6 +162,10 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn line(&mut self, text: &str) -> Result<(), Fault> {
+        if !self.has_ended && !self.continues && polynomial::is_curve(text) {
+            self.has_begun = true;
+            return self.curve(text);
+        }
         let block = tokens::block(text, self.survey.is_klartext)?;
         if std::mem::replace(&mut self.continues, block.continues) {
             return Ok(());
@@ -227,7 +237,7 @@ impl Reader<'_> {
         } else {
             self.modal.modifiers &= !(Modifier::ToolCenterPoint as u16);
             self.axis_is_ijk = false;
-            self.has_spatial_angles = false;
+            (self.has_spatial_angles, self.has_second_point) = (false, false);
         }
         Ok(())
     }

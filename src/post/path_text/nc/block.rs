@@ -141,8 +141,10 @@ impl Reader<'_> {
                 "TRAORI" => self.set_tip(true)?,
                 "TRAFOOF" => self.set_tip(false)?,
                 "FMAX" => line.is_rapid = true,
-                "ORIWKS" | "ORIVECT" => self.turns_on_circle = true,
-                "ORIAXES" => self.turns_on_circle = false,
+                "ORIWKS" | "ORIVECT" => (self.turns_on_circle, self.has_second_point) = (true, false),
+                "ORIAXES" => (self.turns_on_circle, self.has_second_point) = (false, false),
+                "ORICURVE" => (self.has_second_point, self.second) = (true, None),
+                "POLYPATH" => {}
                 // Alone in its line, such a word only ends a mode.
                 "TRANS" | "ROT" | "SCALE" | "MIRROR" | "ATRANS" | "AROT" => {}
                 name => return Err(PathFault::NoNumber(name.to_owned())),

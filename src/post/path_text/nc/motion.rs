@@ -31,10 +31,10 @@ const MAX_TURN: f64 = 0.5;
 
 /// Where all axes stand.
 #[derive(Debug, Clone, Copy)]
-struct Stand {
-    at: Point3<f64>,
-    angles: [f64; 2],
-    vector: Option<UnitVector3<f64>>,
+pub(super) struct Stand {
+    pub at: Point3<f64>,
+    pub angles: [f64; 2],
+    pub vector: Option<UnitVector3<f64>>,
 }
 
 impl Reader<'_> {
@@ -105,7 +105,7 @@ impl Reader<'_> {
     }
 
     /// Where the axes stand; `None` where that is not known of all.
-    fn stand(&self) -> Option<Stand> {
+    pub(super) fn stand(&self) -> Option<Stand> {
         let ([Some(x), Some(y), Some(z)], [Some(first), Some(second)]) = (self.modal.at, self.angles) else {
             return None;
         };
@@ -138,7 +138,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn pose(&self, stand: &Stand) -> Pose {
+    pub(super) fn pose(&self, stand: &Stand) -> Pose {
         let Stand { at, angles, vector } = *stand;
         if let Some(axis) = vector {
             return Pose { tip: at, axis };
@@ -162,7 +162,7 @@ impl Reader<'_> {
         let has_vectors = from.vector.is_some() || to.vector.is_some();
         let is_circle = self.keeps_tip() && (has_vectors || self.turns_on_circle);
         if is_circle || turned == [0.0; 2] {
-            return self.divided(line, from, 1, |_| *to);
+            return self.divided(line.has_feed, from, 1, |_| *to);
         }
         let stand = |part: f64| Stand {
             at: from.at + (to.at - from.at) * part,
@@ -170,13 +170,13 @@ impl Reader<'_> {
             vector: to.vector,
         };
         let count = parts(|part| self.pose(&stand(part)), self.reading.chords, fewest_turns(turned))?;
-        self.divided(line, from, count, |part| if part == 1.0 { *to } else { stand(part) })
+        self.divided(line.has_feed, from, count, |part| if part == 1.0 { *to } else { stand(part) })
     }
 
     /// A block as so many poses. Under G93 the poses share its time evenly.
-    fn divided(
+    pub(super) fn divided(
         &mut self,
-        line: &Line,
+        has_feed: bool,
         from: &Stand,
         count: usize,
         way: impl Fn(f64) -> Stand,
@@ -186,7 +186,7 @@ impl Reader<'_> {
             let there = way(k as f64 / count as f64);
             let pose = self.pose(&there);
             let way_mm = self.way_mm(&before, &pose);
-            let pace = Pace::Feed(self.feed_over(way_mm, line.has_feed, count)?);
+            let pace = Pace::Feed(self.feed_over(way_mm, has_feed, count)?);
             let rotary = self.rotary(&there, self.is_stated);
             self.trail.push(Waypoint { pose, pace, rotary, seconds: self.seconds(count) })?;
             before = pose;
@@ -235,7 +235,7 @@ impl Reader<'_> {
         };
         let least = fewest_turns(turned).max(arc.fewest_parts());
         let count = parts(|part| self.pose(&stand(part)), self.reading.chords, least)?;
-        self.divided(line, from, count, |part| if part == 1.0 { *to } else { stand(part) })
+        self.divided(line.has_feed, from, count, |part| if part == 1.0 { *to } else { stand(part) })
     }
 
     /// The centre that I, J and K name.

@@ -2,7 +2,7 @@
 
 use axum::extract::State;
 use axum::response::Response;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::Answer;
@@ -123,6 +123,7 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Repor
         cutting
     });
     let given = job.path.iter().map(|waypoint| waypoint.pose.tip).collect();
+    let tool_axes = tool_axes(&samples);
     let comments = std::iter::once(proved(&report)).chain(text.comments).collect();
     Ok(Outcome {
         meta,
@@ -135,7 +136,7 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Repor
             shown,
             diagrams,
         },
-        drawing: drawing(given),
+        drawing: drawing(given, tool_axes),
     })
 }
 
@@ -170,7 +171,40 @@ fn proved(report: &Report) -> String {
     )
 }
 
-/// The given tips beside the toolpath.
-fn drawing(given: Vec<Point3<f64>>) -> Box<dyn Fn() -> Drawing + Send> {
-    Box::new(move || Drawing { curve: vec![given.clone()], joints: given.clone(), ..Drawing::default() })
+/// The given tips and the tool axis beside the toolpath.
+fn drawing(given: Vec<Point3<f64>>, tool_axes: Vec<Vec<Point3<f64>>>) -> Box<dyn Fn() -> Drawing + Send> {
+    Box::new(move || Drawing {
+        curve: vec![given.clone()],
+        poses: given.clone(),
+        tool_axes: tool_axes.clone(),
+        ..Drawing::default()
+    })
+}
+
+/// Lines of a sheet along the tool axis, and their length as a part of the largest extent of the path.
+const AXIS_LINES: usize = 60;
+const AXIS_LENGTH: f64 = 0.1;
+
+/// The length of such a line where the tip rests, mm.
+const AXIS_AT_REST_MM: f64 = 10.0;
+
+/// Lines along the tool axis at even times. There are none where the axis is up throughout.
+fn tool_axes(samples: &[TimedPose]) -> Vec<Vec<Point3<f64>>> {
+    if samples.iter().all(|sample| sample.pose.axis == Vector3::z_axis()) {
+        return Vec::new();
+    }
+    let extent = |k: usize| {
+        let along = samples.iter().map(|sample| sample.pose.tip[k]);
+        along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
+    };
+    let largest = (0..3).map(extent).fold(0.0, f64::max);
+    let length_mm = if largest > 0.0 { AXIS_LENGTH * largest } else { AXIS_AT_REST_MM };
+    let line = |sample: &TimedPose| {
+        let tip = sample.pose.tip;
+        vec![tip, tip + sample.pose.axis.into_inner() * length_mm]
+    };
+    // Samples are even in time.
+    let last = samples.len() - 1;
+    let count = AXIS_LINES.min(last);
+    (0..=count).map(|n| line(&samples[if count == 0 { 0 } else { n * last / count }])).collect()
 }

@@ -59,9 +59,23 @@ pub const NAMES: &[Row] = &[
         "how the axis turns under tip control: with ORIAXES angles turn in step, else on the great circle",
     ),
     refused(
-        "ORICURVE, ORIMKS, ORICONCW, ORICONCCW, ORIPLANE, PO, POLY, POLYPATH, BSPLINE, ASPLINE, CSPLINE",
-        "ORICURVE",
+        "ORIMKS, ORICONCW, ORICONCCW, ORIPLANE, BSPLINE, ASPLINE, CSPLINE",
+        "ORIMKS",
         "write lines and arcs with the tool axis",
+    ),
+    read(
+        "ORICURVE",
+        "",
+        "ORICURVE",
+        "Siemens: XH, YH and ZH state a second point of the tool, above the tip",
+    ),
+    read("POLYPATH", "", "POLYPATH(\"AXES\",\"VECT\")", "Siemens: what polynomials move"),
+    read("POLY", "", "POLY PO[X]=(1,0,0.5)", "Siemens: polynomials begin"),
+    read(
+        "PO",
+        "",
+        "G1 PO[X]=(1,0,0.5) PL=2",
+        "the end of a coordinate, and its powers from 2 to 5 of a parameter up to PL",
     ),
     left(
         "COMPCAD, COMPCURV, COMPON, COMPOF, COMPSURF, FFWON, FFWOF, SOFT, BRISK, DRIVE, SPATH, UPATH, FIFOCTRL, CYCLE832, DYNNORM, DYNFINISH, DYNSEMIFIN, DYNROUGH, DYNPREC, FGROUP, FGREF, CFC, CFTCP, CFIN, STOPRE, DIAMOF, NORM, KONT, RTLION, RTLIOF, ORISON, ORISOF, WORKPIECE",

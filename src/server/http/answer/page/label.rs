@@ -25,6 +25,14 @@ const UNITS: [(&str, &str); 15] = [
 /// Words that are written in capitals.
 const CAPITALS: [&str; 5] = ["cc", "cl", "id", "nc", "url"];
 
+/// Names whose words alone do not say of what they speak.
+const OWN_WORDS: [(&str, &str); 4] = [
+    ("deviation_max_mm", "max deviation from what was sent"),
+    ("deviation_max_deg", "max deviation of the tool axis from what was sent"),
+    ("toolpath_deviation_max_mm", "max deviation of the moves from what was sent"),
+    ("toolpath_deviation_max_deg", "max deviation of the axis of the moves from what was sent"),
+];
+
 /// The name of a field as people read it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
@@ -49,8 +57,9 @@ impl Label {
             Some(what) => format!("max_{what}"),
             None => stem.to_owned(),
         };
-        let words: Vec<String> = stem.split('_').map(word).collect();
-        Self { words: escape(&clean(&words.join(" "))), unit, is_bound }
+        let own = OWN_WORDS.iter().find(|(own, _)| *own == name).map(|(_, words)| (*words).to_owned());
+        let words = own.unwrap_or_else(|| stem.split('_').map(word).collect::<Vec<String>>().join(" "));
+        Self { words: escape(&clean(&words)), unit, is_bound }
     }
 }
 
@@ -73,6 +82,7 @@ mod tests {
             ("total_time_s", "total time", Some("s")),
             ("n_passes", "passes", None),
             ("gouge_max_mm", "max gouge", Some("mm")),
+            ("deviation_max_mm", "max deviation from what was sent", Some("mm")),
             ("bounds", "bounds", Some("mm")),
             ("a<b", "a&lt;b", None),
         ] {

@@ -86,10 +86,12 @@ pub fn lower(
     let grid = Grid::new(job.program.resolution);
     let Legs { start, rotary, legs, delay_s } =
         legs::divide(toolpath, job, 0.5 * grid.step_mm(), five.output == AxisOutput::Rails)?;
+    let stated = stated(five.machine, (&start, rotary), &legs);
+    let has_positions = stated.is_some();
     let joints = match (five.output, five.machine) {
         (AxisOutput::Vectors | AxisOutput::Rails, _) => None,
         (_, None) => return Err(WriteError::MachineMissing),
-        (_, Some(machine)) => Some(positions(machine, (&start, rotary), &legs)?),
+        (_, Some(machine)) => Some(stated.map_or_else(|| chosen(machine, &start, &legs), Ok)?),
     };
     let mut lowering = Lowering {
         five,
@@ -105,7 +107,7 @@ pub fn lower(
         displacement_axis: 0.0,
         slowed: Slowed::default(),
         capped_s: 0.0,
-        has_positions: rotary.is_some(),
+        has_positions,
     };
     let joints_at = |k: usize| joints.as_ref().map(|joints| joints[k]);
     let clearance = grid.units(job.cutting.clearance_z_mm)?;
@@ -136,18 +138,19 @@ pub fn lower(
     Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis, delay_s, slowed })
 }
 
-/// The positions at the start and at the end of each motion: those of the toolpath, or chosen here.
-fn positions(
-    machine: &Machine,
+/// The positions of all axes at the start and at the end of each motion, where the toolpath holds those of
+/// the rotary axes.
+fn stated(
+    machine: Option<&Machine>,
     (start, rotary): (&Pose, Option<[f64; 2]>),
     legs: &[Leg],
-) -> Result<Vec<AxisPositions>, WriteError> {
-    let own = std::iter::once((start, rotary)).chain(legs.iter().map(|leg| (&leg.to, leg.rotary)));
-    let stated: Option<Vec<AxisPositions>> =
-        own.map(|(pose, rotary)| Some(machine.at(&pose.tip, rotary?))).collect();
-    if let Some(stated) = stated {
-        return Ok(stated);
-    }
+) -> Option<Vec<AxisPositions>> {
+    let ends = std::iter::once((start, rotary)).chain(legs.iter().map(|leg| (&leg.to, leg.rotary)));
+    ends.map(|(pose, rotary)| Some(machine?.at(&pose.tip, rotary?))).collect()
+}
+
+/// The positions of all axes at the start and at the end of each motion, chosen from the poses.
+fn chosen(machine: &Machine, start: &Pose, legs: &[Leg]) -> Result<Vec<AxisPositions>, WriteError> {
     let poses: Vec<Pose> = std::iter::once(*start).chain(legs.iter().map(|leg| leg.to)).collect();
     machine.follow(&poses, [0.0; 2]).map_err(|error| {
         let at = poses[error.index().unwrap_or(0).min(poses.len() - 1)].tip;
@@ -172,7 +175,7 @@ struct Lowering<'a> {
     slowed: Slowed,
     /// How much longer blocks take because an axis would have been too fast, s.
     capped_s: f64,
-    /// Whether the positions of the rotary axes are those of the toolpath.
+    /// Whether the toolpath holds the positions of the rotary axes. The program then writes them.
     has_positions: bool,
 }
 

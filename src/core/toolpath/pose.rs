@@ -2,8 +2,14 @@
 
 use nalgebra::{Point3, UnitVector3};
 
-use super::tool_axes;
+use super::tool_axes::{self, angle_between};
 use super::units::FeedRate;
+
+/// Two tips that are nearer to each other are the same, mm: far below what a program can say.
+pub const SAME_TIP_MM: f64 = 1e-7;
+
+/// Two axes at a smaller angle are the same, radians: at 100 mm from the tip this is a tenth of a nanometre.
+pub const SAME_AXIS: f64 = 1e-9;
 
 /// Where a tool is and how it leans.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +28,18 @@ impl Pose {
         let tip = self.tip + (to.tip - self.tip) * part;
         Self { tip, axis: tool_axes::between(&self.axis, &to.axis, part) }
     }
+
+    /// The length of the straight way to another pose for a feed, mm: that of the tip. Where the tip rests,
+    /// the length is that of the point of the tool axis `top_mm` above the tip.
+    pub fn way_mm(&self, to: &Self, top_mm: f64) -> f64 {
+        let length = (to.tip - self.tip).norm();
+        let angle = angle_between(&self.axis, &to.axis);
+        match (length > SAME_TIP_MM, angle > SAME_AXIS) {
+            (true, _) => length,
+            (false, true) => angle * top_mm,
+            (false, false) => 0.0,
+        }
+    }
 }
 
 /// How fast the tool goes to a pose.
@@ -39,8 +57,8 @@ pub struct Waypoint {
     /// The positions of the two rotary axes of the machine, radians, where a program states both. They may
     /// count turns.
     pub rotary: Option<[f64; 2]>,
-    /// How long the way to the pose takes, s, where a program states that. The pace is then that of the way
-    /// by the given poses.
+    /// The time of the way from the pose before, s, where a program states times (G93). `pace` then holds
+    /// the feed that takes this time from the pose before as given.
     pub seconds: Option<f64>,
 }
 

@@ -39,17 +39,19 @@ fn the_positions_of_a_toolpath_are_written_and_no_axis_is_too_fast() {
         (&HEIDENHAIN, AxisOutput::Angles),
         (&SIEMENS, AxisOutput::Angles),
     ] {
-        let turns = |speeds: [f64; 5]| {
+        let is_klartext = dialect.name == "heidenhain";
+        let text = |speeds: [f64; 5]| {
             let five_axes = FiveAxes { output, machine: Some(&table), allowed: ALLOWED, speeds };
             let job = ProgramJob {
                 tool: Some(&Tool { length_offset: None, ..TOOL }),
                 five_axes: Some(five_axes),
                 ..ProgramJob::plain(&program, &cutting, dialect)
             };
-            let text = write(&toolpath, &job, &Budget::unlimited()).unwrap().text;
-            speeds_of(&text, dialect.name == "heidenhain")
+            write(&toolpath, &job, &Budget::unlimited()).unwrap().text
         };
-        let blocks = turns(limits);
+        let turns = |text: &str| speeds_of(text, is_klartext);
+        let within = text(limits);
+        let blocks = turns(&within);
         let (first, last) = (blocks.first().unwrap(), blocks.last().unwrap());
         let turned = last.c_deg - first.from_c_deg;
         assert!((turned - 540.0 - 0.1_f64.to_degrees()).abs() < 1e-2, "{}: {turned}", dialect.name);
@@ -57,8 +59,19 @@ fn the_positions_of_a_toolpath_are_written_and_no_axis_is_too_fast() {
         let allowed = limits[4].to_degrees();
         assert!(largest(&blocks) <= 1.001 * allowed, "{}: {}", dialect.name, largest(&blocks));
         // 20 mm at 2000 mm/min turn C by 540 degrees in 0.6 s.
-        assert!(largest(&turns([f64::INFINITY; 5])) > 800.0);
+        assert!(largest(&turns(&text([f64::INFINITY; 5]))) > 800.0);
+        assert!(largest(&turns(&with_faster_feeds(&within))) > 1.05 * allowed, "{}", dialect.name);
     }
+}
+
+/// A program whose feeds are all larger by a tenth.
+fn with_faster_feeds(text: &str) -> String {
+    let faster = |word: &str| match word.strip_prefix('F').map(str::parse::<f64>) {
+        Some(Ok(feed)) => format!("F{}", 1.1 * feed),
+        _ => word.to_owned(),
+    };
+    let line = |line: &str| line.split(' ').map(faster).collect::<Vec<_>>().join(" ");
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// How far and how fast C turns in a block.

@@ -3,13 +3,8 @@
 use nalgebra::Vector3;
 
 use super::rail::{Point6, join, tip, top};
+use crate::toolpath::pose::{SAME_AXIS, SAME_TIP_MM};
 use crate::toolpath::tool_axes::angle_between;
-
-/// Two tips that are nearer to each other are the same, mm: far below what a program can say.
-pub const SAME_TIP_MM: f64 = 1e-7;
-
-/// Two axes at a smaller angle are the same, radians: at 100 mm from the tip this is a tenth of a nanometre.
-pub const SAME_AXIS: f64 = 1e-9;
 
 /// The straight motion from one pose to the next: the tip on a line, the axis on a great circle in step
 /// with the tip.

@@ -5,8 +5,8 @@
 //!    polynomial leaves its chord, and the Bernstein coefficients bound the second derivative. This gives the
 //!    number of chords.
 //! 2. Where a program is to state the positions of the axes, a chord is halved while the tool would stray too
-//!    far from it with all axes in step ([`Machine::straying`]). The toolpath holds the positions at the
-//!    ends: those of the motion, branch and turns included.
+//!    far from it with all axes in step ([`Machine::straying`]). At the end of each move the toolpath holds
+//!    the positions of the rotary axes on the rails, with the branch and the turns of the motion.
 //! 3. The chords are proved against the given path by the proof of the rails (`deviation`).
 //!
 //! # Guarantees

@@ -5,9 +5,10 @@ use nalgebra::Point3;
 use super::FiveAxisError;
 use super::cleaning::{Cleaned, clean};
 use super::deviation::Deviation;
-use super::leg::{Leg, SAME_AXIS, SAME_TIP_MM};
-use super::rail::{Point6, join, tip, top};
-use crate::toolpath::pose::{Pace, Waypoint};
+use super::leg::Leg;
+use super::rail::{Point6, join, top};
+use super::stations::pose;
+use crate::toolpath::pose::{Pace, SAME_AXIS, SAME_TIP_MM, Waypoint};
 use crate::toolpath::tool_axes::{OPPOSITE, angle_between};
 use crate::toolpath::units::FeedRate;
 
@@ -63,8 +64,8 @@ impl Path {
         if kept.len() < 2 {
             return Err(FiveAxisError::NoMotion);
         }
-        let paces =
-            kept.windows(2).map(|ends| pace(waypoints, &poses, [&ends[0], &ends[1]])).collect::<Vec<_>>();
+        let paces: Vec<Pace> =
+            kept.windows(2).map(|ends| pace(waypoints, top_mm, [&ends[0], &ends[1]])).collect();
         let stations: Vec<Point6> = kept.into_iter().map(|(_, at)| at).collect();
         let rooms = vec![f64::INFINITY; paces.len()];
         Ok(Self {
@@ -96,32 +97,27 @@ impl Path {
     }
 }
 
-/// The pace of the leg between two poses that are kept: that of the longest of the ways that it stands for,
-/// so that no cut becomes a rapid with a short rapid behind it. Where one of them has a time of its own, the
-/// leg takes the time of all of them: poses that became one have no way of their own.
-fn pace(waypoints: &[Waypoint], poses: &[Point6], [from, to]: [&(usize, Point6); 2]) -> Pace {
-    let own = from.0 + 1..=to.0;
-    let way = |k: &usize| way_mm(&poses[k - 1], &poses[*k]);
-    let longest = own.clone().max_by(|a, b| way(a).total_cmp(&way(b))).unwrap_or(to.0);
+/// The pace of the leg between two poses that are kept. The leg replaces the given motions between the two
+/// poses, and takes the pace of the longest of them: a short rapid behind a cut does not turn the cut into a
+/// rapid. Where one of the motions states its time (G93), the leg takes the sum of their times, because
+/// motions shorter than the tolerance vanish from the length of the leg.
+fn pace(waypoints: &[Waypoint], top_mm: f64, [from, to]: [&(usize, Point6); 2]) -> Pace {
+    let replaced = from.0 + 1..=to.0;
+    let way_mm = |k: usize| waypoints[k - 1].pose.way_mm(&waypoints[k].pose, top_mm);
+    let longest = replaced.clone().max_by(|a, b| way_mm(*a).total_cmp(&way_mm(*b))).unwrap_or(to.0);
     let pace = waypoints[longest].pace;
-    if pace == Pace::Rapid || own.clone().all(|k| waypoints[k].seconds.is_none()) {
+    if pace == Pace::Rapid || replaced.clone().all(|k| waypoints[k].seconds.is_none()) {
         return pace;
     }
-    let seconds: f64 = own
+    let seconds: f64 = replaced
         .map(|k| match (waypoints[k].seconds, waypoints[k].pace) {
             (Some(seconds), _) => seconds,
-            (None, Pace::Feed(feed)) => way(&k) / feed.mm_per_s(),
+            (None, Pace::Feed(feed)) => way_mm(k) / feed.mm_per_s(),
             (None, Pace::Rapid) => 0.0,
         })
         .sum();
-    let mm_per_min = 60.0 * way_mm(&from.1, &to.1) / seconds;
+    let mm_per_min = 60.0 * pose(&from.1).way_mm(&pose(&to.1), top_mm) / seconds;
     FeedRate::from_mm_per_min(mm_per_min).map_or(pace, Pace::Feed)
-}
-
-/// The way that a feed counts: that of the tip, and of the top where the tip rests, mm.
-fn way_mm(from: &Point6, to: &Point6) -> f64 {
-    let length = (tip(to) - tip(from)).norm();
-    if length > SAME_TIP_MM { length } else { angle_between(&top(from), &top(to)) * top(from).norm() }
 }
 
 #[cfg(test)]

@@ -34,10 +34,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Point3, UnitVector3, Vector2, Vector3};
 
-use super::leg::{Leg, SAME_AXIS};
+use super::leg::Leg;
 use super::path::Path;
 use super::rail::{Point6, join, tip, top};
-use crate::toolpath::pose::Pace;
+use crate::toolpath::pose::{Pace, SAME_AXIS};
 use crate::toolpath::tool_axes::angle_between;
 use crossing::Crossing;
 use places::{Node, add, add_center, center, places};

@@ -134,8 +134,10 @@ pub struct Followed<'a> {
 }
 
 impl<'a> Followed<'a> {
+    /// Rotary axes may jump where a rapid begins or ends on a pole.
+    ///
     /// # Errors
-    /// Those of [`resolved`], with rapids that may jump.
+    /// Where the machine cannot follow the rails, and where an axis would have to jump elsewhere.
     pub fn new(
         rail: &'a Rail,
         machine: &'a Machine,

@@ -10,20 +10,13 @@ use crate::nc::{Distance, FeedMode, Motion};
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::machine::AxisPositions;
-use toolpathd_core::toolpath::pose::{Pace, Pose, Waypoint};
-use toolpathd_core::toolpath::tool_axes::{angle_between, between};
+use toolpathd_core::toolpath::pose::{Pace, Pose, SAME_TIP_MM, Waypoint};
+use toolpathd_core::toolpath::tool_axes::between;
 use toolpathd_core::toolpath::units::FeedRate;
-
-/// Tips that are nearer to each other are the same, mm: far below what a program can say. The block then
-/// turns the axis about its tip, and the top moves at the feed.
-const SAME_TIP_MM: f64 = 1e-7;
 
 /// How far the ends of an arc may be apart beyond twice its radius, mm: twice the rounding of programs with
 /// two decimals.
 const RADIUS_MISMATCH_MM: f64 = 0.02;
-
-/// Axes at a smaller angle are the same, radians: at 100 mm from the tip this is a tenth of a nanometre.
-const SAME_AXIS: f64 = 1e-9;
 
 /// The most by which an angle changes between two poses of an arc, or of a line with angles, radians.
 /// With larger values a full turn has the length of none.
@@ -173,7 +166,7 @@ impl Reader<'_> {
         self.divided(line.has_feed, from, count, |part| if part == 1.0 { *to } else { stand(part) })
     }
 
-    /// A block as so many poses. Under G93 the poses share its time evenly.
+    /// A block as `count` poses. Under G93 the poses share the time of the block evenly.
     pub(super) fn divided(
         &mut self,
         has_feed: bool,
@@ -185,7 +178,7 @@ impl Reader<'_> {
         for k in 1..=count {
             let there = way(k as f64 / count as f64);
             let pose = self.pose(&there);
-            let way_mm = self.way_mm(&before, &pose);
+            let way_mm = before.way_mm(&pose, self.top_mm);
             let pace = Pace::Feed(self.feed_over(way_mm, has_feed, count)?);
             let rotary = self.rotary(&there, self.is_stated);
             self.trail.push(Waypoint { pose, pace, rotary, seconds: self.seconds(count) })?;
@@ -198,17 +191,6 @@ impl Reader<'_> {
     fn seconds(&self, count: usize) -> Option<f64> {
         let per_minute = self.modal.feed.filter(|_| self.modal.feed_mode == Some(FeedMode::InverseTime))?;
         Some(60.0 / (per_minute * count as f64))
-    }
-
-    /// The way that the feed counts: that of the tip, and of the top where the tip rests, mm.
-    fn way_mm(&self, from: &Pose, to: &Pose) -> f64 {
-        let length = (to.tip - from.tip).norm();
-        let angle = angle_between(&to.axis, &from.axis);
-        match (length > SAME_TIP_MM, angle > SAME_AXIS) {
-            (true, _) => length,
-            (false, true) => angle * self.top_mm,
-            (false, false) => 0.0,
-        }
     }
 
     fn arc(&mut self, line: &Line, turn: Direction, from: &Stand, to: &Stand) -> Result<(), Fault> {

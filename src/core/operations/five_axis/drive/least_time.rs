@@ -214,8 +214,8 @@ fn ceiling(station: &Station, axes: &Axes, limited: &[usize]) -> f64 {
     most
 }
 
-/// The limits of each coordinate, and those of the tip. Their speeds are the largest that the feed and the
-/// limits allow anywhere in `intervals`.
+/// The limits of each axis, and the limits of the tip. The speed of each is the largest that the feed and the
+/// limits of all axes together allow anywhere in `intervals`.
 fn paced_limits(intervals: &[&Interval], axes: &Axes) -> (Vec<Limits>, Option<Limits>) {
     let fastest = |k: usize| intervals.iter().map(|own| own.speeds[k]).fold(0.0, f64::max);
     let limits = axes.limits.iter().enumerate().map(|(k, own)| Limits { speed: fastest(k), ..*own });

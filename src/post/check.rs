@@ -1,4 +1,7 @@
-//! Reads a written text back, and compares each of its motions and dwells with the block it was written from.
+//! Reads a written text back, and compares each of its motions and dwells with the block it was written from,
+//! and what it asks of the machine there with what the job asks for ([`asked`]).
+
+mod asked;
 
 use std::ops::Range;
 
@@ -11,6 +14,7 @@ use super::posed::VECTOR_DECIMALS;
 use super::rails::{FineGrid, RailWords};
 use super::read::{Placed, Posed, PosedFeed, ROTARY, RailStep, Reader, Step, TipMode};
 use super::words::FeedWord;
+use super::write::program_number;
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError, blank, helix, smoothing};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::curve::Curve;
@@ -63,6 +67,7 @@ pub fn read_back(
         return Err(WriteError::Differs { line: 0, what: "line of your own" });
     }
     let mut steps = Reader::new(text, job.dialect, MISMATCH_LIMIT_STEPS * grid.step_mm()).passing(custom);
+    steps = steps.assuming_nothing();
     // A block that ends modes moves nothing.
     let blocks = lowered.blocks.iter().filter(|block| !matches!(block, Block::EndPosed | Block::EndRails));
     let mut at: [Option<i64>; 3] = [None; 3];
@@ -77,6 +82,9 @@ pub fn read_back(
         let placed = placed?;
         line = placed.line;
         if let Some(what) = difference(block, &lowered.rails, &mut at, &mut helix_end, &placed, job, grid) {
+            return Err(WriteError::Differs { line, what });
+        }
+        if let Some(what) = asked::difference(&steps, block, job)? {
             return Err(WriteError::Differs { line, what });
         }
         if is_cut(&placed.step) && !smooths(steps.smoothing(), job) {
@@ -98,9 +106,16 @@ pub fn read_back(
         return Err(WriteError::Differs { line: 0, what: "raw part" });
     }
     match steps.next() {
+        None => {}
+        Some(Err(error)) => return Err(error.into()),
+        Some(Ok(extra)) => return Err(WriteError::Differs { line: extra.line, what: "end" }),
+    }
+    if steps.program() != program_number(job)? {
+        return Err(WriteError::Differs { line: 0, what: "program number" });
+    }
+    match asked::difference_at_end(&steps.state(), job) {
+        Some(what) => Err(WriteError::Differs { line: 0, what }),
         None => Ok(largest_mismatch),
-        Some(Err(error)) => Err(error.into()),
-        Some(Ok(extra)) => Err(WriteError::Differs { line: extra.line, what: "end" }),
     }
 }
 

@@ -19,12 +19,14 @@ mod klartext;
 mod number;
 mod posed;
 mod siemens;
+mod state;
 
 use std::ops::Range;
 
 use nalgebra::Point3;
 
 pub use self::posed::{Posed, PosedFeed, ROTARY, RailStep, TipMode};
+pub use self::state::{Calls, MachineState, Spindle};
 use super::dialect::{Dialect, Syntax};
 pub use super::nc::Fault;
 use toolpathd_core::geometry::curve::Curve;
@@ -89,6 +91,18 @@ trait Language {
     /// Takes a line that is not read. It may set every mode and move anywhere.
     fn pass(&mut self);
 
+    /// Takes no mode for granted at the start of the program.
+    fn assume_nothing(&mut self) {}
+
+    fn calls(&self) -> Calls;
+
+    fn state(&self) -> MachineState;
+
+    /// The number of the program. None where the program has stated none.
+    fn program(&self) -> Option<u32> {
+        None
+    }
+
     /// The smoothing in force. None where no word has chosen one that is read.
     fn smoothing(&self) -> Option<Smoothing> {
         None
@@ -113,6 +127,27 @@ impl<'a> Reader<'a> {
             Syntax::Deckel => Box::new(deckel::Reader::new(dialect, mismatch_limit_mm)),
         };
         Self { lines: text.lines().enumerate(), language, passed: &[], line: 0, is_over: false }
+    }
+
+    /// Takes no mode for granted at the start of the program: each has to be stated before it counts.
+    pub fn assuming_nothing(mut self) -> Self {
+        self.language.assume_nothing();
+        self
+    }
+
+    /// What programs of this control can ask for.
+    pub fn calls(&self) -> Calls {
+        self.language.calls()
+    }
+
+    /// What the program has asked of the machine before or in the block of the last step.
+    pub fn state(&self) -> MachineState {
+        self.language.state()
+    }
+
+    /// The number of the program. None where the control knows a program by its file.
+    pub fn program(&self) -> Option<u32> {
+        self.language.program()
     }
 
     /// The smoothing of the control at the last step. None where no word has chosen one that is read.

@@ -20,6 +20,7 @@ use toolpathd_core::toolpath::{Builder, Role};
 
 mod approach;
 mod blank;
+mod corrupted;
 mod custom;
 mod deckel;
 mod dialects;

@@ -30,7 +30,7 @@ pub fn text(lowered: &Lowered, remarks: &[Remark], job: &ProgramJob) -> Result<W
 }
 
 /// The numbers of the tool and of its length offset.
-fn tool_of(job: &ProgramJob) -> (u32, u32) {
+pub fn tool_of(job: &ProgramJob) -> (u32, u32) {
     if let Some(tool) = job.tool {
         return (tool.places().0, job.dialect.length_offset_of(tool));
     }
@@ -41,7 +41,7 @@ fn tool_of(job: &ProgramJob) -> (u32, u32) {
 }
 
 /// The number of the program, where the dialect has one.
-fn program_number(job: &ProgramJob) -> Result<Option<u32>, WriteError> {
+pub fn program_number(job: &ProgramJob) -> Result<Option<u32>, WriteError> {
     let Some(max) = job.dialect.max_program_number else { return Ok(None) };
     let number = job.program.number;
     if (1..=max).contains(&number) {

@@ -25,6 +25,7 @@ mod words;
 
 use self::words::{Signs, Words, count, number, position};
 use super::cut::Cut;
+use super::state::{Calls, MachineState, Spindle};
 use super::{Language, Step};
 use crate::dialect::Dialect;
 use crate::nc::{Fault, Motion, WordFault};
@@ -75,6 +76,7 @@ pub struct Reader<'a> {
     feed: Option<FeedRate>,
     /// Position in mm.
     at: [Option<f64>; 3],
+    state: MachineState,
 }
 
 impl Language for Reader<'_> {
@@ -105,6 +107,18 @@ impl Language for Reader<'_> {
     // No dialect of this syntax has places for lines of a shop's own.
     fn pass(&mut self) {}
 
+    fn calls(&self) -> Calls {
+        Calls { tools: true, length_offsets: false }
+    }
+
+    fn state(&self) -> MachineState {
+        self.state
+    }
+
+    fn program(&self) -> Option<u32> {
+        Some(self.program)
+    }
+
     fn end(&self) -> Result<(), Fault> {
         match self.expects {
             Expected::Nothing => Ok(()),
@@ -127,6 +141,7 @@ impl<'a> Reader<'a> {
             motion: Motion::Rapid,
             feed: None,
             at: [None; 3],
+            state: MachineState::default(),
         }
     }
 
@@ -143,7 +158,8 @@ impl<'a> Reader<'a> {
         let (tool, rest) = text.strip_prefix("T ")?.split_once(" R ")?;
         let radius = rest.strip_suffix(" L0.000 S A A ( )")?;
         self.tool = count(tool).filter(|&tool| tool > 0)?;
-        number(radius, self.dialect).filter(|&radius_mm| radius_mm > 0.0)?;
+        let radius_mm = number(radius, self.dialect).filter(|&radius_mm| radius_mm > 0.0);
+        self.state.tool_radius_mm = Some(radius_mm?);
         self.expects = Expected::Z;
         Some(())
     }
@@ -168,6 +184,7 @@ impl<'a> Reader<'a> {
                     return Err(Fault::Frame(TOOL));
                 }
                 self.expects = Expected::FirstRapid;
+                self.state.tool = Some(self.tool);
                 Ok(None)
             }
             Expected::FirstRapid => {
@@ -194,6 +211,7 @@ impl<'a> Reader<'a> {
                     return Err(Fault::Frame(END));
                 }
                 self.expects = Expected::Mark;
+                self.state.spindle = Spindle::Off;
                 Ok(Some(self.rapid([Some(0.0), Some(0.0), None])))
             }
             _ if text == NO_TOOL => {
@@ -212,10 +230,15 @@ impl<'a> Reader<'a> {
         position(text, Signs::Always, self.dialect).filter(|&height| height >= LEAST_REST_MM)
     }
 
-    fn speed(&self, text: &str) -> Result<Option<Step>, Fault> {
+    /// The speed, at which the spindle turns from this block on.
+    fn speed(&mut self, text: &str) -> Result<Option<Step>, Fault> {
         let rpm = text.strip_prefix("S ").and_then(count).ok_or(Fault::Word("S", WordFault::Form))?;
         let is_legal = (1..=self.dialect.numbers.max_spindle_rpm).contains(&rpm);
-        if is_legal { Ok(None) } else { Err(Fault::Word("S", WordFault::Range)) }
+        if !is_legal {
+            return Err(Fault::Word("S", WordFault::Range));
+        }
+        (self.state.spindle, self.state.speed_rpm) = (Spindle::Clockwise, Some(f64::from(rpm)));
+        Ok(None)
     }
 
     fn motion(&mut self, text: &str) -> Result<Option<Step>, Fault> {

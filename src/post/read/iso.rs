@@ -4,6 +4,7 @@
 //! For each line, `words` collects the words. Then the words take effect in the order in which a control
 //! applies them: units, plane, feed, motion.
 
+mod asked;
 mod control;
 mod posed;
 mod smoothing;
@@ -11,9 +12,10 @@ mod words;
 
 use nalgebra::{Point3, Vector3};
 
-use self::control::{Control, Dwell, ProgramNumber};
+use self::control::{Control, Dwell};
 use self::posed::Leaning;
 use self::words::Words;
+use super::state::{Calls, MachineState};
 use super::{Language, Step};
 use crate::nc::{Distance, Fault, FeedMode, Modal, Motion, effect, modal_group};
 use toolpathd_core::geometry::curve::{Arc, Curve, Line, Parabola};
@@ -34,10 +36,15 @@ const MACHINE_COORDINATES: i32 = 530;
 const INVERSE_TIME: i32 = 930;
 const PER_MINUTE: i32 = 940;
 const BLENDING: i32 = 640;
+/// On a control that knows this code, another mode counts centres from zero.
+const INCREMENTAL_CENTERS: i32 = 911;
 
 /// M codes that the reader knows, in tenths, and those of them that end a program.
 const KNOWN_M: &[i32] = &[20, 30, 50, 60, 70, 80, 90, 300];
 const ENDS: [i32; 2] = [20, 300];
+
+/// M codes that exclude each other: of the tool change, of the spindle, of the coolant, and of the end.
+const M_GROUPS: [&[i32]; 4] = [&[60], &[30, 50], &[70, 80, 90], &ENDS];
 
 /// The modal group of G0 to G3, G5.1 and G80.
 const MOTION_GROUP: i32 = 1;
@@ -51,6 +58,8 @@ pub struct Reader {
     modal: Modal<f64, FeedRate>,
     leaning: Leaning,
     smoothing: Option<Smoothing>,
+    state: MachineState,
+    program: Option<u32>,
 }
 
 /// The line before and behind a program.
@@ -81,7 +90,10 @@ impl Language for Reader {
             Expected::ProgramNumber => {
                 self.expects = Expected::Block;
                 match self.control.program_number {
-                    Some(rule) => program_number(text, rule).map(|()| None),
+                    Some(rule) => {
+                        self.program = Some(rule.number(text)?);
+                        Ok(None)
+                    }
                     None => self.line(text),
                 }
             }
@@ -109,6 +121,23 @@ impl Language for Reader {
         self.modal = Modal::UNKNOWN;
         self.leaning = Leaning::default();
         self.smoothing = None;
+        self.state = self.state.behind_own_lines();
+    }
+
+    fn assume_nothing(&mut self) {
+        self.modal = Modal::UNKNOWN;
+    }
+
+    fn calls(&self) -> Calls {
+        Calls { tools: self.control.has_tools, length_offsets: self.control.length_offset.is_some() }
+    }
+
+    fn state(&self) -> MachineState {
+        self.state
+    }
+
+    fn program(&self) -> Option<u32> {
+        self.program
     }
 
     fn smoothing(&self) -> Option<Smoothing> {
@@ -135,6 +164,8 @@ impl Reader {
             modal: Modal::START,
             leaning: Leaning::default(),
             smoothing: None,
+            state: MachineState::default(),
+            program: None,
         }
     }
 
@@ -174,6 +205,7 @@ impl Reader {
         if self.leaning.switch(words, &self.control)? {
             self.modal.at = [None; 3];
         }
+        self.ask(words);
         if g.has(INVERSE_TIME) || g.has(PER_MINUTE) {
             // A feed of the other mode means something else.
             self.modal.feed = None;
@@ -191,8 +223,8 @@ impl Reader {
             return Err(if is_word { Fault::Unused(letter) } else { Fault::UnknownWord(letter) });
         }
         if let Some(feed) = words.get('F').filter(|_| !is_dwell) {
-            let unit =
-                if self.modal.feed_mode == Some(FeedMode::InverseTime) { 1.0 } else { self.unit_mm()? };
+            let mode = self.modal.feed_mode.ok_or(Fault::NoMode("G93 or G94"))?;
+            let unit = if mode == FeedMode::InverseTime { 1.0 } else { self.unit_mm()? };
             let rate = FeedRate::from_mm_per_min(feed * unit);
             self.modal.feed = Some(rate.ok_or(Fault::BadNumber('F'))?);
         }
@@ -232,6 +264,8 @@ impl Reader {
         }
         let mut groups = g.all().iter().map(|&code| modal_group(code)).enumerate();
         let is_twice = groups.any(|(k, group)| g.all()[..k].iter().any(|&other| modal_group(other) == group));
+        let in_group = |group: &&[i32]| m.all().iter().filter(|code| group.contains(code)).count();
+        let is_twice = is_twice || M_GROUPS.iter().any(|group| in_group(group) > 1);
         if is_twice || g.has(BLENDING) && g.has(DWELL) {
             return Err(Fault::Conflict);
         }
@@ -255,6 +289,7 @@ impl Reader {
             return Err(Fault::Conflict);
         }
         self.modal.at[2] = None;
+        self.state.homes += 1;
         Ok(None)
     }
 
@@ -349,6 +384,10 @@ impl Reader {
     fn center(&self, words: &Words, start: &Point3<f64>) -> Result<Point3<f64>, Fault> {
         const OFFSETS: [char; 3] = ['I', 'J', 'K'];
         let [a, b, n] = self.plane()?.axes();
+        let has_modes = self.control.further_g.contains(&INCREMENTAL_CENTERS);
+        if has_modes && self.modal.centers != Some(Distance::Incremental) {
+            return Err(Fault::NoMode("G91.1"));
+        }
         if words.has(OFFSETS[n]) {
             return Err(Fault::Unused(OFFSETS[n]));
         }
@@ -371,20 +410,4 @@ impl Reader {
     fn plane(&self) -> Result<Plane, Fault> {
         self.modal.plane.ok_or(Fault::NoMode("G17, G18 or G19"))
     }
-}
-
-/// Checks the line with the number of a program.
-fn program_number(text: &str, rule: ProgramNumber) -> Result<(), Fault> {
-    // The program's name may stand beside the number.
-    let line = match text.split_once(" (") {
-        Some((line, name)) if name.ends_with(')') && !name[..name.len() - 1].contains(['(', ')']) => line,
-        _ => text,
-    };
-    let digits = line
-        .trim()
-        .strip_prefix('O')
-        .filter(|digits| digits.len() >= rule.digits && digits.bytes().all(|c| c.is_ascii_digit()));
-    let read = digits.and_then(|digits| digits.parse().ok());
-    let is_legal = read.is_some_and(|read| (1..=rule.max).contains(&read));
-    if is_legal { Ok(()) } else { Err(Fault::ProgramNumber) }
 }

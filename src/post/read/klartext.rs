@@ -30,21 +30,20 @@
 mod blank;
 mod motion;
 mod smoothing;
+mod tool;
 mod words;
 
 use nalgebra::Point3;
 
 use self::words::{Functions, Limits, Words};
 use super::number::Number;
+use super::state::{Calls, FIRST_WORK_OFFSET, MachineState};
 use super::{Language, Step, TipMode};
 use crate::dialect::Dialect;
 use crate::nc::{Fault, WordFault};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::program::{Smoothing, Units};
 use toolpathd_core::toolpath::units::FeedRate;
-
-/// The control has no tool of a larger number.
-const MAX_TOOL: u32 = 32_767;
 
 /// The last row of the table of presets.
 const MAX_PRESET: u32 = 65_535;
@@ -113,6 +112,7 @@ pub struct Reader<'a> {
     /// The lowest and the highest corner of the raw part, mm.
     low_corner: Option<Point3<f64>>,
     high_corner: Option<Point3<f64>>,
+    state: MachineState,
 }
 
 impl Language for Reader<'_> {
@@ -145,6 +145,19 @@ impl Language for Reader<'_> {
         // The line may have called a tool; if it has not, the program runs with the tool that is in place.
         self.has_tool = true;
         self.smoothing = None;
+        self.state = self.state.behind_own_lines();
+    }
+
+    fn calls(&self) -> Calls {
+        Calls { tools: true, length_offsets: false }
+    }
+
+    fn state(&self) -> MachineState {
+        self.state
+    }
+
+    fn program(&self) -> Option<u32> {
+        self.name.parse().ok()
     }
 
     fn smoothing(&self) -> Option<Smoothing> {
@@ -190,6 +203,7 @@ impl<'a> Reader<'a> {
             has_open_tolerance: false,
             low_corner: None,
             high_corner: None,
+            state: MachineState::default(),
         }
     }
 
@@ -295,6 +309,7 @@ impl<'a> Reader<'a> {
             return Err(Fault::Word("Q339", WordFault::Range));
         }
         self.expects = Expected::Block;
+        self.state.work_offset = Some(row + FIRST_WORK_OFFSET - 1).filter(|_| row > 0);
         Ok(())
     }
 
@@ -315,51 +330,6 @@ impl<'a> Reader<'a> {
             self.vector = None;
         }
         self.mode = mode;
-    }
-
-    /// `CALL 3 Z S12000`, or `CALL Z S12000` for the speed alone.
-    fn tool_call(&mut self, tail: &str) -> Result<Option<Step>, Fault> {
-        if self.mode != TipMode::Off {
-            return Err(Fault::UnderTipControl);
-        }
-        let mut words = tail.split_ascii_whitespace().peekable();
-        if words.next() != Some("CALL") {
-            return Err(Fault::UnknownBlock);
-        }
-        // Without a number, the block changes the speed alone.
-        let tool = match words.next_if(|word| *word != "Z") {
-            Some(tool) => {
-                let tool = Number::whole_of(tool).and_then(Number::count);
-                Some(tool.ok_or(Fault::Word("TOOL CALL", WordFault::Number))?)
-            }
-            None => None,
-        };
-        if words.next() != Some("Z") || tool.is_none() && words.peek().is_none() {
-            return Err(Fault::UnknownBlock);
-        }
-        if tool.is_some_and(|tool| tool > MAX_TOOL) {
-            return Err(Fault::Word("TOOL CALL", WordFault::Range));
-        }
-        if let Some(word) = words.next() {
-            let speed = word.strip_prefix('S').ok_or(Fault::UnknownBlock)?;
-            let speed = Number::whole_of(speed).ok_or(Fault::Word("S", WordFault::Number))?;
-            let numbers = &self.dialect.numbers;
-            if speed.sign.is_some() || speed.decimals() > usize::from(numbers.spindle_decimals) {
-                return Err(Fault::Word("S", WordFault::Form));
-            }
-            if !(speed.value > 0.0 && speed.value <= f64::from(numbers.max_spindle_rpm)) {
-                return Err(Fault::Word("S", WordFault::Range));
-            }
-        }
-        if words.next().is_some() {
-            return Err(Fault::UnknownBlock);
-        }
-        if let Some(tool) = tool {
-            // Number 0 stands for no tool.
-            self.has_tool = tool > 0;
-            self.at[2] = None;
-        }
-        Ok(None)
     }
 
     fn dwell(&mut self, block: &str) -> Result<Step, Fault> {
@@ -383,6 +353,8 @@ impl<'a> Reader<'a> {
         if functions.has_machine_zero {
             return Err(Fault::Conflict);
         }
+        self.state.spindle = functions.spindle.unwrap_or(self.state.spindle);
+        self.state.coolant = functions.coolant.unwrap_or(self.state.coolant);
         if functions.has_end {
             if self.mode != TipMode::Off {
                 return Err(Fault::UnderTipControl);

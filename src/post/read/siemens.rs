@@ -31,10 +31,12 @@ mod words;
 
 use self::words::{Keyword, Words};
 use super::number::Number;
+use super::state::{Calls, MachineState, Spindle};
 use super::{Language, Step, TipMode};
 use crate::dialect::{BlockNumbers, Dialect, Syntax};
 use crate::nc::{Fault, FeedMode, Modal, Motion, WordFault, effect};
 use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::cutting::Coolant;
 use toolpathd_core::toolpath::program::{Smoothing, SmoothingMode, Units};
 use toolpathd_core::toolpath::units::FeedRate;
 
@@ -59,6 +61,10 @@ pub struct Reader<'a> {
     modal: Modal<f64, FeedRate>,
     /// The cutting edge, 0 without length offset.
     edge: u32,
+    /// Whether the edge was selected in the plane XY: the length of a tool counts along the normal of the plane.
+    is_edge_along_z: bool,
+    /// ORIWKS has been stated. Without it, machine data decide in which frame vectors count.
+    is_in_workpiece: bool,
     has_tip_control: bool,
     /// How the axis is told under tip control.
     orientation: Option<TipMode>,
@@ -74,6 +80,8 @@ pub struct Reader<'a> {
     /// Whether the last motion with a vector has left the rotary axes at unknown angles.
     has_lost_axis: bool,
     smoothing: Option<Smoothing>,
+    /// All but the length offset, which is the cutting edge.
+    state: MachineState,
 }
 
 impl Language for Reader<'_> {
@@ -98,9 +106,21 @@ impl Language for Reader<'_> {
         }
         self.modal = Modal::UNKNOWN;
         (self.edge, self.has_tip_control, self.orientation) = (0, false, None);
-        (self.angles, self.vector) = ([None; 3], None);
+        (self.angles, self.vector, self.is_in_workpiece) = ([None; 3], None, false);
         (self.is_on_rails, self.has_polynomials) = (false, false);
         self.smoothing = None;
+        self.state = self.state.behind_own_lines();
+    }
+
+    fn calls(&self) -> Calls {
+        Calls { tools: true, length_offsets: true }
+    }
+
+    fn state(&self) -> MachineState {
+        MachineState {
+            length_offset: Some(self.edge).filter(|edge| *edge > 0 && self.is_edge_along_z),
+            ..self.state
+        }
     }
 
     fn smoothing(&self) -> Option<Smoothing> {
@@ -126,6 +146,8 @@ impl<'a> Reader<'a> {
             is_over: false,
             modal: Modal::UNKNOWN,
             edge: 0,
+            is_edge_along_z: false,
+            is_in_workpiece: false,
             has_tip_control: false,
             orientation: None,
             angles: [None; 3],
@@ -136,6 +158,7 @@ impl<'a> Reader<'a> {
             second: None,
             has_lost_axis: false,
             smoothing: None,
+            state: MachineState::default(),
         }
     }
 
@@ -240,7 +263,10 @@ impl<'a> Reader<'a> {
                     modal.feed = None;
                 }
             }
-            54..=57 => modal.at = [None; 3],
+            54..=57 => {
+                modal.at = [None; 3];
+                self.state.work_offset = Some(u32::from(code));
+            }
             // These have no effect on the steps.
             DWELL | 40 | 64 => {}
             code => modal.apply(effect(i32::from(code) * 10)),
@@ -267,7 +293,8 @@ impl<'a> Reader<'a> {
             Keyword::ByCurve if !self.has_tip_control => return Err(Fault::NoTipControl),
             Keyword::ByCurve => (self.is_on_rails, self.is_polynomial, self.second) = (true, false, None),
             Keyword::Polynomials => self.has_polynomials = true,
-            Keyword::InWorkpiece | Keyword::MachineZero => {}
+            Keyword::InWorkpiece => self.is_in_workpiece = true,
+            Keyword::MachineZero => {}
         }
         Ok(())
     }
@@ -286,10 +313,11 @@ impl<'a> Reader<'a> {
         self.modal.motion = Some(Motion::Rapid);
         self.modal.at[2] = None;
         self.edge = 0;
+        self.state.homes += 1;
         Ok(None)
     }
 
-    /// Tool, cutting edge and spindle speed.
+    /// Tool, cutting edge, spindle and coolant.
     fn tool(&mut self, words: &Words) -> Result<(), Fault> {
         let count = |name: &'static str, letter, max| match words.get(letter) {
             Some(value) if value > f64::from(max) => Err(Fault::Word(name, WordFault::Range)),
@@ -301,7 +329,10 @@ impl<'a> Reader<'a> {
             (true, false) => return Err(Fault::Word("M6", WordFault::Missing)),
             (false, true) => return Err(Fault::Word("T", WordFault::Missing)),
             (true, true) if self.has_tip_control => return Err(Fault::UnderTipControl),
-            (true, true) => (self.edge, self.modal.at[2]) = (0, None),
+            (true, true) => {
+                (self.edge, self.modal.at[2]) = (0, None);
+                self.state.tool = tool;
+            }
             (false, false) => {}
         }
         if let Some(edge) = count("D", 'D', MAX_EDGE)? {
@@ -309,12 +340,26 @@ impl<'a> Reader<'a> {
                 self.modal.at[2] = None;
             }
             self.edge = edge;
+            self.is_edge_along_z = self.modal.plane == Some(Plane::Xy);
         }
         let max_rpm = f64::from(self.dialect.numbers.max_spindle_rpm);
-        match words.get('S') {
-            Some(rpm) if !(rpm > 0.0 && rpm <= max_rpm) => Err(Fault::Word("S", WordFault::Range)),
-            _ => Ok(()),
+        if let Some(rpm) = words.get('S') {
+            if !(rpm > 0.0 && rpm <= max_rpm) {
+                return Err(Fault::Word("S", WordFault::Range));
+            }
+            self.state.speed_rpm = Some(rpm);
         }
+        for code in &words.m {
+            match code {
+                3 => self.state.spindle = Spindle::Clockwise,
+                5 => self.state.spindle = Spindle::Off,
+                7 => self.state.coolant = Coolant::Mist,
+                8 => self.state.coolant = Coolant::Flood,
+                9 => self.state.coolant = Coolant::Off,
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// The feed by the minute. Under G93, `motion` reads F.

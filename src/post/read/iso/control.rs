@@ -3,6 +3,8 @@
 //! The facts come from the controls' manuals, never from the [`Dialect`](crate::Dialect) that the writer
 //! uses. So the reader refuses a program in which the writer has used a wrong word.
 
+use crate::nc::Fault;
+
 /// What a control makes of its words. G codes are in tenths.
 #[derive(Debug, Clone, Copy)]
 pub struct Control {
@@ -16,6 +18,8 @@ pub struct Control {
     pub further_g: &'static [i32],
     /// Whether G5.1 is a parabola.
     pub has_parabolas: bool,
+    /// Whether T and M6 call a tool.
+    pub has_tools: bool,
     /// The code whose H word is the number of a length offset.
     pub length_offset: Option<i32>,
     /// The code whose H word is the number of a work offset.
@@ -36,6 +40,23 @@ pub struct Control {
 pub struct ProgramNumber {
     pub digits: usize,
     pub max: u32,
+}
+
+impl ProgramNumber {
+    /// The number of a program, from its line.
+    pub fn number(self, text: &str) -> Result<u32, Fault> {
+        // The program's name may stand beside the number.
+        let line = match text.split_once(" (") {
+            Some((line, name)) if name.ends_with(')') && !name[..name.len() - 1].contains(['(', ')']) => line,
+            _ => text,
+        };
+        let digits = line
+            .trim()
+            .strip_prefix('O')
+            .filter(|digits| digits.len() >= self.digits && digits.bytes().all(|c| c.is_ascii_digit()));
+        let read = digits.and_then(|digits| digits.parse().ok());
+        read.filter(|read| (1..=self.max).contains(read)).ok_or(Fault::ProgramNumber)
+    }
 }
 
 /// The word that chooses how closely a control keeps the path.
@@ -90,6 +111,7 @@ const ISO: Control = Control {
     dwell: Dwell::Seconds,
     further_g: &[],
     has_parabolas: false,
+    has_tools: true,
     length_offset: Some(430),
     work_offset: None,
     angles: None,
@@ -135,6 +157,7 @@ const LINUXCNC: Control = Control {
 /// G43 is unknown: the control has no table of tools.
 const GRBL: Control = Control {
     has_parabolas: false,
+    has_tools: false,
     length_offset: None,
     kinematics: None,
     smoothing: SmoothingWord::None,

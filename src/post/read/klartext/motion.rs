@@ -79,6 +79,7 @@ impl Reader<'_> {
             return Err(Fault::Conflict);
         }
         self.at[2] = None;
+        self.state.homes += 1;
         Ok(None)
     }
 

@@ -1,8 +1,10 @@
 //! The words of one block of Klartext: each is a name and, for most names, a number right behind it.
 
 use super::super::number::Number;
+use super::super::state::Spindle;
 use crate::nc::{Fault, WordFault};
 use toolpathd_core::geometry::curve::Direction;
+use toolpathd_core::toolpath::cutting::Coolant;
 
 /// The names that may stand in each kind of block, in the order in which the control writes them. A word may
 /// stand once for each time that its name is listed. In the plane ZX, Z may stand before X or behind it.
@@ -48,8 +50,8 @@ pub enum Speed {
 /// The M words of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Functions {
-    has_spindle: bool,
-    has_coolant: bool,
+    pub spindle: Option<Spindle>,
+    pub coolant: Option<Coolant>,
     pub has_end: bool,
     /// The last M word is M91, and it is the only one.
     pub has_machine_zero: bool,
@@ -162,17 +164,19 @@ impl Words {
 
 impl Functions {
     fn take(&mut self, code: u32) -> Result<(), Fault> {
-        let group = match code {
-            3 | 5 => &mut self.has_spindle,
-            8 | 9 => &mut self.has_coolant,
-            30 => &mut self.has_end,
-            91 => &mut self.has_machine_zero,
+        let is_twice = match code {
+            3 => self.spindle.replace(Spindle::Clockwise).is_some(),
+            5 => self.spindle.replace(Spindle::Off).is_some(),
+            8 => self.coolant.replace(Coolant::Flood).is_some(),
+            9 => self.coolant.replace(Coolant::Off).is_some(),
+            30 => std::mem::replace(&mut self.has_end, true),
+            91 => std::mem::replace(&mut self.has_machine_zero, true),
             _ => return Err(Fault::UnknownM(f64::from(code))),
         };
-        if std::mem::replace(group, true) {
+        if is_twice {
             return Err(Fault::Conflict);
         }
-        let others = self.has_spindle || self.has_coolant || self.has_end;
+        let others = self.spindle.is_some() || self.coolant.is_some() || self.has_end;
         if self.has_machine_zero && others { Err(Fault::Conflict) } else { Ok(()) }
     }
 }

@@ -76,12 +76,14 @@ impl Reader<'_> {
         cut.arc(plane, direction, center, self.mismatch_limit_mm).map(Some)
     }
 
-    /// How the axis is told. An error where tip control is on, but neither of its two ways is selected.
+    /// How the axis is told. An error where tip control is on, but neither of its two ways is selected, or
+    /// where nothing states the frame of a vector.
     fn mode(&self) -> Result<TipMode, Fault> {
-        if self.has_tip_control {
-            self.orientation.ok_or(Fault::NoMode("ORIAXES or ORIVECT"))
-        } else {
-            Ok(TipMode::Off)
+        match (self.has_tip_control, self.orientation) {
+            (false, _) => Ok(TipMode::Off),
+            (true, None) => Err(Fault::NoMode("ORIAXES or ORIVECT")),
+            (true, Some(TipMode::Vectors)) if !self.is_in_workpiece => Err(Fault::NoMode("ORIWKS")),
+            (true, Some(mode)) => Ok(mode),
         }
     }
 

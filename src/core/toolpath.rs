@@ -9,6 +9,7 @@
 //!   feed has no duration, and a toolpath with such a move cannot become a program.
 //! * A toolpath holds no modal state and no NC text. Both belong to `post` alone.
 
+pub mod arc_rule;
 pub mod contour;
 pub mod cutting;
 pub mod flatten;

@@ -3,6 +3,7 @@
 //! A [`Dialect`] says what a control can do, and in which [`Syntax`] its programs are written. Each syntax
 //! has its own reader. ISO words and Siemens share one writer. No reader shares code with a writer.
 
+pub use toolpathd_core::toolpath::arc_rule::ArcRule;
 pub use toolpathd_core::toolpath::quantize::{Arcs, Curves, Parabolas};
 
 use toolpathd_core::toolpath::cutting::Coolant;

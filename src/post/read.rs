@@ -1,7 +1,7 @@
 //! Reads programs of the kind that this crate writes, in the way in which a control reads them.
 //!
 //! The reader exists to check the writer. So the two share no code and no words: of the dialect, a reader
-//! takes the syntax, limits of numbers and lines, and the steps of block numbers. Each syntax has a reader of
+//! takes the syntax, limits of numbers and lines, the rules for arcs, and the steps of block numbers. Each syntax has a reader of
 //! its own.
 //!
 //! # Guarantees
@@ -118,13 +118,15 @@ trait Language {
 }
 
 impl<'a> Reader<'a> {
-    /// Arcs whose radii differ by more than `mismatch_limit_mm` are refused.
+    /// Arcs that break a rule of the control are refused, and arcs whose radii differ by more than
+    /// `mismatch_limit_mm`.
     pub fn new(text: &'a str, dialect: &'a Dialect, mismatch_limit_mm: f64) -> Self {
+        let arcs = dialect.curves.accepts.capped(mismatch_limit_mm);
         let language: Box<dyn Language> = match &dialect.syntax {
-            Syntax::Iso(_) => Box::new(iso::Reader::new(dialect.name, mismatch_limit_mm)),
-            Syntax::Siemens(_) => Box::new(siemens::Reader::new(dialect, mismatch_limit_mm)),
-            Syntax::Klartext => Box::new(klartext::Reader::new(dialect, mismatch_limit_mm)),
-            Syntax::Deckel => Box::new(deckel::Reader::new(dialect, mismatch_limit_mm)),
+            Syntax::Iso(_) => Box::new(iso::Reader::new(dialect.name, arcs)),
+            Syntax::Siemens(_) => Box::new(siemens::Reader::new(dialect, arcs)),
+            Syntax::Klartext => Box::new(klartext::Reader::new(dialect, arcs)),
+            Syntax::Deckel => Box::new(deckel::Reader::new(dialect)),
         };
         Self { lines: text.lines().enumerate(), language, passed: &[], line: 0, is_over: false }
     }

@@ -18,6 +18,7 @@ use toolpathd_core::toolpath::tool::Shape;
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{Builder, Role};
 
+pub mod accepted_arcs;
 mod approach;
 mod blank;
 mod corrupted;

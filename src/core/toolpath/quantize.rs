@@ -17,8 +17,10 @@
 //! * Every path that a control may run for a written curve has a Frechet distance of at most
 //!   [`MAX_DISPLACEMENT_STEPS`] steps from the part of the given curve that it replaces. Each written curve
 //!   states its own bound of this distance.
-//! * The two radii of a written arc differ by at most [`MAX_MISMATCH_STEPS`] steps, and by no more than the
-//!   control accepts ([`Curves::radius_mismatch_mm`]).
+//! * The two radii of a written arc differ by at most [`MAX_MISMATCH_STEPS`] steps, and by no more than
+//!   [`Curves::radius_mismatch_mm`]. Ends and centre keep the rules of the control ([`Curves::accepts`]).
+//! * A control that runs an arc about a centre of its own is one of those controls: its path, too, keeps the
+//!   bound of the distance.
 //! * A full circle is written only if the given curve is a full circle. A line whose ends round to the same
 //!   point is left out.
 //!
@@ -31,13 +33,14 @@
 mod biarcs;
 pub(super) mod bound;
 mod candidate;
+mod curves;
 mod parabola;
 
 use nalgebra::Point3;
 
+pub use self::curves::{Arcs, Curves, Parabolas};
 use super::program::Resolution;
 use crate::geometry::curve::{Arc, Curve, Line};
-use crate::geometry::plane::Plane;
 
 /// Largest distance between a written curve and its source, in units of the last decimal.
 pub const MAX_DISPLACEMENT_STEPS: f64 = 1.5;
@@ -54,13 +57,6 @@ pub const MIN_SAGITTA_STEPS: f64 = 0.5;
 /// as zero, and other controls lose as much in rounding.
 const LEAST_RADIUS_MM: f64 = 0.0013;
 
-/// The largest radius of an arc, mm, on controls that state none: some have run whole circles instead of
-/// arcs of larger radius.
-const USUAL_LARGEST_RADIUS_MM: f64 = 1e4;
-
-/// Factor by which rounding may raise the radius of an arc that was made with the largest radius.
-const RADIUS_ROUNDING: f64 = 1.0 + 1e-9;
-
 /// Largest number of curves written for one curve. The chords of a full circle of radius 1 km at three
 /// decimals are half as many.
 pub const MAX_PIECES: usize = 200_000;
@@ -71,12 +67,6 @@ const MAX_UNITS: f64 = 1e15;
 /// Largest bound that is accepted, in steps. The rest is for lengths that were themselves computed with
 /// rounding.
 const ACCEPTED_STEPS: f64 = MAX_DISPLACEMENT_STEPS - 0.01;
-
-/// Half a unit of the angle of a helix, radians: controls read ten-thousandths of a degree.
-const HELIX_ANGLE: f64 = 0.5e-4 * std::f64::consts::PI / 180.0;
-
-/// How far rounding the angle may move the end of a helix, in steps. A helix of larger radius becomes chords.
-const HELIX_STEPS: f64 = 0.25;
 
 /// One curve as it will be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,74 +101,6 @@ pub enum Form {
     Parabola {
         control: [i64; 2],
     },
-}
-
-/// The curves that a control runs. All others are written as lines.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Curves {
-    pub arcs: Arcs,
-    pub parabolas: Parabolas,
-    /// The largest difference of the radii at the ends of an arc that the control accepts, mm.
-    pub radius_mismatch_mm: f64,
-    /// The largest radius of an arc, mm. Arcs of larger radius are written as chords.
-    pub largest_radius_mm: f64,
-}
-
-impl Curves {
-    /// Arcs in all planes, and helices, on a control that accepts as little as most do: with few decimals one
-    /// step is more than that. LinuxCNC refuses 0.028 mm, Heidenhain 0.016 mm.
-    pub const ARCS: Self = Self {
-        arcs: Arcs::WithHelices,
-        parabolas: Parabolas::AsLines,
-        radius_mismatch_mm: 0.015,
-        largest_radius_mm: USUAL_LARGEST_RADIUS_MM,
-    };
-
-    /// Whether the control runs `arc` as an arc.
-    fn run(&self, arc: &Arc, step_mm: f64) -> bool {
-        match self.arcs {
-            _ if arc.radius() > RADIUS_ROUNDING * self.largest_radius_mm => false,
-            Arcs::AsLines => false,
-            Arcs::WithHelicesAboutZ => {
-                let is_exact = arc.radius() * HELIX_ANGLE <= HELIX_STEPS * step_mm;
-                !is_helix(arc) || arc.plane() == Plane::Xy && is_exact
-            }
-            Arcs::WithHelices => true,
-        }
-    }
-
-    /// How much of [`ACCEPTED_STEPS`] the angle of a written arc needs, in steps.
-    fn reserved_steps(&self, arc: &Arc) -> f64 {
-        let states_angle = self.arcs == Arcs::WithHelicesAboutZ && is_helix(arc);
-        if states_angle { HELIX_STEPS } else { 0.0 }
-    }
-}
-
-fn is_helix(arc: &Arc) -> bool {
-    let [_, _, normal] = arc.plane().axes();
-    arc.start()[normal] != arc.end()[normal]
-}
-
-/// The arcs that a dialect writes as arcs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
-pub enum Arcs {
-    /// No arcs: all become lines.
-    AsLines,
-    /// Arcs in the planes XY, ZX and YZ, and helices about Z, of which a block states the angle instead of
-    /// the end.
-    WithHelicesAboutZ,
-    /// Arcs in the planes XY, ZX and YZ, and helices.
-    WithHelices,
-}
-
-/// Which parabolas are written as parabolas.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Parabolas {
-    /// None: all parabolas become lines.
-    AsLines,
-    /// The parabolas that lie at one height.
-    InXy,
 }
 
 /// Why a curve cannot be written.

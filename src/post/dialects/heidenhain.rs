@@ -10,7 +10,7 @@
 //! * The move to zero of the machine's coordinates is `M91`; there is no move to a reference point.
 
 use crate::dialect::{
-    Abilities, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, SmoothingForm, SmoothingWords, Syntax, TipControl, Turns, Verification,
+    Abilities, ArcRule, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, SmoothingForm, SmoothingWords, Syntax, TipControl, Turns, Verification,
 };
 use toolpathd_core::toolpath::cutting::Coolant;
 use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode};
@@ -29,7 +29,7 @@ pub const HEIDENHAIN: Dialect = Dialect {
     numbers: Numbers { point: Point::WhereNeeded, max_digits: 9, max_whole_digits: 5, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     // The largest radius of CR is 99.9999 m (iTNC 530, *User's Manual*, 340 49x-05, p. 207). C has the same
     // range of coordinates. Rounding may enlarge a written radius by a hundredth.
-    curves: Curves { arcs: Arcs::WithHelicesAboutZ, largest_radius_mm: 98_900.0, ..Curves::ARCS },
+    curves: Curves { arcs: Arcs::WithHelicesAboutZ, largest_radius_mm: 98_900.0, accepts: ARC_RULE, ..Curves::ARCS },
     abilities: Abilities {
         safe_homes: &[SafeHome::None, SafeHome::G53],
         coolants: &[Coolant::Off, Coolant::Flood],
@@ -59,6 +59,10 @@ pub const HEIDENHAIN: Dialect = Dialect {
     },
     syntax: Syntax::Klartext,
 };
+
+/// The ends may lie beside the circle by 0.016 mm (TNC 320, *User's Manual*, 340 55x-03, p. 155: the machine
+/// parameter circleDeviation).
+const ARC_RULE: ArcRule = ArcRule::fixed(0.016);
 
 const TIP_CONTROL: TipControl =
     TipControl { before: &[], words: None, off: "FUNCTION RESET TCPM", vector: ["TX", "TY", "TZ"] };

@@ -14,7 +14,7 @@
 use super::fanuc::TIP_CONTROL;
 use toolpathd_core::geometry::arc_fit::LARGEST_RADIUS_MM;
 use crate::dialect::{
-    Abilities, Comment, Curves, Dialect, FiveAxisWords, Frame, Iso, Numbers, Point, Parabolas, SmoothingForm, SmoothingWords, Syntax, TipControl, Turns, Verification,
+    Abilities, ArcRule, Comment, Curves, Dialect, FiveAxisWords, Frame, Iso, Numbers, Point, Parabolas, SmoothingForm, SmoothingWords, Syntax, TipControl, Turns, Verification,
 };
 
 pub const LINUXCNC: Dialect = Dialect {
@@ -40,7 +40,7 @@ pub const LINUXCNC: Dialect = Dialect {
     // G5.1 needs G17, no Z word, and I and J in every block. It is not modal: a block behind it without a G
     // word would run as the last of G0 to G3.
     // The interpreter has no largest radius.
-    curves: Curves { parabolas: Parabolas::InXy, largest_radius_mm: LARGEST_RADIUS_MM, ..Curves::ARCS },
+    curves: Curves { parabolas: Parabolas::InXy, largest_radius_mm: LARGEST_RADIUS_MM, accepts: ARC_RULE, ..Curves::ARCS },
     abilities: Abilities::USUAL,
     // A ten-thousandth of a degree would move a point 200 mm beside the axis by a third of a micrometre.
     rests_at_mm: None,
@@ -82,3 +82,9 @@ pub const LINUXCNC: Dialect = Dialect {
         ..Iso::USUAL
     }),
 };
+
+/// The interpreter (`interp_arc.cc`) refuses a difference of the radii above both 0.0011 inch and 0.1 % of the
+/// radius, and above a hundred times that length. A machine may set another length. That is far more than what
+/// is written: see `radius_mismatch_mm`.
+const ARC_RULE: ArcRule =
+    ArcRule { mismatch_mm: 0.027_94, mismatch_part: 0.001, most_mismatch_mm: 2.794, turn: None };

@@ -6,7 +6,7 @@
 //! * There is no G28 and no G53.
 
 use crate::dialect::{
-    Abilities, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, ProgramNumber, Syntax, Verification,
+    Abilities, ArcRule, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, ProgramNumber, Syntax, Verification,
 };
 use toolpathd_core::toolpath::program::SafeHome;
 
@@ -22,7 +22,8 @@ pub const OKUMA: Dialect = Dialect {
     default_decimals_inch: 4,
     max_decimals: 4,
     numbers: Numbers { point: Point::Always, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
-    curves: Curves::ARCS,
+    // Alarm B 2252, code 3: the usual tolerance of the end is 20 micrometres.
+    curves: Curves { accepts: ArcRule::fixed(0.02), ..Curves::ARCS },
     abilities: Abilities { safe_homes: &[SafeHome::None], ..Abilities::USUAL },
     rests_at_mm: None,
     smoothing: None,

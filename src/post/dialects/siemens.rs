@@ -9,10 +9,12 @@
 //! * Rails are polynomials of degree 5 (POLY) of the tip and of a second point on the axis (XH, YH, ZH) under
 //!   ORICURVE. POLYPATH says that polynomials move both. BSPLINE stops at degree 3, and the manual of
 //!   SINUMERIK ONE (*NC programming*, 12/2019, p. 684) excludes polynomials of XH, YH and ZH under it.
+//! * An arc states its centre. The control runs the arc about a centre of its own, which near half a turn may
+//!   lie far from the stated one. Such an arc is divided, or written as lines.
 //! * Under G93, F is 1 divided by the minutes that the block takes, also under TRAORI.
 
 use crate::dialect::{
-    Abilities, BlockNumbers, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, LengthOffsets, Numbers, Point, SmoothingForm, SmoothingWords, Syntax,
+    Abilities, ArcRule, BlockNumbers, Comment, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, LengthOffsets, Numbers, Point, SmoothingForm, SmoothingWords, Syntax,
     TipControl, Turns, Verification,
 };
 use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode};
@@ -30,8 +32,7 @@ pub const SIEMENS: Dialect = Dialect {
     default_decimals_inch: 4,
     max_decimals: 6,
     numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_whole_digits: 15, max_feed_decimals: 6, spindle_decimals: 3, max_spindle_rpm: 999_999 },
-    // The usual value of the machine data for the differences of radii.
-    curves: Curves { radius_mismatch_mm: 0.01, ..Curves::ARCS },
+    curves: Curves { radius_mismatch_mm: ARC_RULE.mismatch_mm, accepts: ARC_RULE, ..Curves::ARCS },
     abilities: Abilities {
         work_offsets: &[54, 55, 56, 57],
         safe_homes: &[SafeHome::None, SafeHome::G53],
@@ -84,6 +85,18 @@ pub const SIEMENS: Dialect = Dialect {
         ],
         ..Iso::USUAL
     }),
+};
+
+/// Alarm 14040 (SINUMERIK 840D sl, *Diagnostics Manual*) stops an arc whose radii differ by more than machine
+/// data 21000 (CIRCLE_ERROR_CONST, usually 0.01 mm), for larger radii by more than the part of machine data
+/// 21010 (CIRCLE_ERROR_FACTOR, usually 0.001). The control computes a centre of its own from the radius at the
+/// start. The alarm also stops an arc whose own centre is turned by sqrt(0.001) radians or more.
+const ARC_RULE: ArcRule = ArcRule {
+    mismatch_mm: 0.01,
+    mismatch_part: 0.001,
+    most_mismatch_mm: f64::INFINITY,
+    // Rounded down.
+    turn: Some(0.031_622),
 };
 
 const TIP_CONTROL: TipControl =

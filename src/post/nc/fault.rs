@@ -39,6 +39,12 @@ pub enum Fault {
     ParabolaSize,
     #[error("the radii at the ends of the arc differ by {mismatch_mm} mm")]
     RadiusMismatch { mismatch_mm: f64 },
+    #[error("the centre of the arc is nearer to its start than half of the way to its end")]
+    NoOwnCenter,
+    #[error(
+        "seen from the start of the arc, the centre that the control computes is {degrees} degrees beside the written one"
+    )]
+    TurnedCenter { degrees: f64 },
     #[error(transparent)]
     Arc(ArcError),
     #[error("the program has no M2 or M30")]

@@ -5,6 +5,7 @@ use nalgebra::Point3;
 use super::{Fault, Step};
 use toolpathd_core::geometry::curve::{Arc, Curve, Direction, Line};
 use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::arc_rule::{ArcRefusal, ArcRule};
 use toolpathd_core::toolpath::units::FeedRate;
 
 /// A cutting motion whose curve is not known yet. Places in mm.
@@ -38,23 +39,31 @@ impl Cut {
     /// The arc about `center`, whose coordinate along the normal of the plane does not count.
     ///
     /// # Errors
-    /// When the radii at the two ends differ by more than `mismatch_limit_mm`, or the points make no arc.
+    /// When the arc breaks a rule of `accepts`, or the points make no arc.
     pub fn arc(
         self,
         plane: Plane,
         direction: Direction,
         mut center: Point3<f64>,
-        mismatch_limit_mm: f64,
+        accepts: &ArcRule,
     ) -> Result<Step, Fault> {
         let Self { start, end, rate } = self;
         let normal = plane.axes()[2];
         center[normal] = start[normal];
         let [s, e, c] = [start, end, center].map(|p| plane.to_local(&p).xy());
         let radius_mismatch_mm = ((s - c).norm() - (e - c).norm()).abs();
-        if radius_mismatch_mm > mismatch_limit_mm {
-            return Err(Fault::RadiusMismatch { mismatch_mm: radius_mismatch_mm });
+        if let Some(refusal) = accepts.refusal(&(c - s), &(e - s)) {
+            return Err(fault(refusal));
         }
         let arc = Arc::with_center_near(plane, direction, start, end, center).map_err(Fault::Arc)?;
         Ok(Step::Feed { along: Curve::Arc(arc), rate, radius_mismatch_mm, center: Some(center) })
+    }
+}
+
+fn fault(refusal: ArcRefusal) -> Fault {
+    match refusal {
+        ArcRefusal::Radii { mismatch_mm } => Fault::RadiusMismatch { mismatch_mm },
+        ArcRefusal::NoOwnCenter => Fault::NoOwnCenter,
+        ArcRefusal::Turned { angle } => Fault::TurnedCenter { degrees: angle.to_degrees() },
     }
 }

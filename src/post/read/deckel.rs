@@ -130,7 +130,7 @@ impl Language for Reader<'_> {
 
 impl<'a> Reader<'a> {
     /// No program has arcs, so the largest difference of radii does not count.
-    pub fn new(dialect: &'a Dialect, _mismatch_limit_mm: f64) -> Self {
+    pub fn new(dialect: &'a Dialect) -> Self {
         Self {
             dialect,
             expects: Expected::Number,

@@ -15,11 +15,13 @@ use nalgebra::{Point3, Vector3};
 use self::control::{Control, Dwell};
 use self::posed::Leaning;
 use self::words::Words;
+use super::cut::Cut;
 use super::state::{Calls, MachineState};
 use super::{Language, Step};
 use crate::nc::{Distance, Fault, FeedMode, Modal, Motion, effect, modal_group};
-use toolpathd_core::geometry::curve::{Arc, Curve, Line, Parabola};
+use toolpathd_core::geometry::curve::{Curve, Parabola};
 use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::arc_rule::ArcRule;
 use toolpathd_core::toolpath::program::{Smoothing, Units};
 use toolpathd_core::toolpath::units::FeedRate;
 
@@ -53,7 +55,8 @@ const MOTION_GROUP: i32 = 1;
 pub struct Reader {
     control: Control,
     expects: Expected,
-    mismatch_limit_mm: f64,
+    /// What the control demands of an arc.
+    arcs: ArcRule,
     /// Position in mm.
     modal: Modal<f64, FeedRate>,
     leaning: Leaning,
@@ -155,12 +158,12 @@ impl Language for Reader {
 
 impl Reader {
     /// Reads the dialect called `name`.
-    pub fn new(name: &str, mismatch_limit_mm: f64) -> Self {
+    pub fn new(name: &str, arcs: ArcRule) -> Self {
         let control = Control::of(name);
         Self {
             control,
             expects: if control.has_tape_marks { Expected::TapeMark } else { Expected::ProgramNumber },
-            mismatch_limit_mm,
+            arcs,
             modal: Modal::START,
             leaning: Leaning::default(),
             smoothing: None,
@@ -325,19 +328,10 @@ impl Reader {
         if motion == Motion::Rapid {
             return Ok(Some(Step::Rapid { from, to: self.modal.at }));
         }
-        let (rate, start, end) = self.cut_from(from)?;
-        let Motion::Arc(direction) = motion else {
-            let along = Curve::Line(Line { start, end });
-            return Ok(Some(Step::Feed { along, rate, radius_mismatch_mm: 0.0, center: None }));
-        };
-        let (plane, center) = (self.plane()?, self.center(words, &start)?);
-        let [s, e, c] = [start, end, center].map(|p| plane.to_local(&p).xy());
-        let radius_mismatch_mm = ((s - c).norm() - (e - c).norm()).abs();
-        if radius_mismatch_mm > self.mismatch_limit_mm {
-            return Err(Fault::RadiusMismatch { mismatch_mm: radius_mismatch_mm });
-        }
-        let arc = Arc::with_center_near(plane, direction, start, end, center).map_err(Fault::Arc)?;
-        Ok(Some(Step::Feed { along: Curve::Arc(arc), rate, radius_mismatch_mm, center: Some(center) }))
+        let cut = Cut::between(from, self.modal.at, self.modal.feed.ok_or(Fault::NoFeed)?)?;
+        let Motion::Arc(direction) = motion else { return Ok(Some(cut.line())) };
+        let (plane, center) = (self.plane()?, self.center(words, &cut.start())?);
+        cut.arc(plane, direction, center, &self.arcs).map(Some)
     }
 
     /// The parabola of a block. Both offsets of its control point have to be written, and it has no Z word.

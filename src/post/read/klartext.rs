@@ -42,6 +42,7 @@ use super::{Language, Step, TipMode};
 use crate::dialect::Dialect;
 use crate::nc::{Fault, WordFault};
 use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::arc_rule::ArcRule;
 use toolpathd_core::toolpath::program::{Smoothing, Units};
 use toolpathd_core::toolpath::units::FeedRate;
 
@@ -89,7 +90,8 @@ enum Feed {
 /// The rules of Klartext, with the modal state.
 pub struct Reader<'a> {
     dialect: &'a Dialect,
-    mismatch_limit_mm: f64,
+    /// What the control demands of an arc.
+    arcs: ArcRule,
     expects: Expected,
     /// The number of the next block.
     number: u32,
@@ -183,10 +185,10 @@ impl Language for Reader<'_> {
 }
 
 impl<'a> Reader<'a> {
-    pub fn new(dialect: &'a Dialect, mismatch_limit_mm: f64) -> Self {
+    pub fn new(dialect: &'a Dialect, arcs: ArcRule) -> Self {
         Self {
             dialect,
-            mismatch_limit_mm,
+            arcs,
             expects: Expected::Begin,
             number: 0,
             name: String::new(),

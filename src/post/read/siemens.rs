@@ -36,6 +36,7 @@ use super::{Language, Step, TipMode};
 use crate::dialect::{BlockNumbers, Dialect, Syntax};
 use crate::nc::{Fault, FeedMode, Modal, Motion, WordFault, effect};
 use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::arc_rule::ArcRule;
 use toolpathd_core::toolpath::cutting::Coolant;
 use toolpathd_core::toolpath::program::{Smoothing, SmoothingMode, Units};
 use toolpathd_core::toolpath::units::FeedRate;
@@ -51,7 +52,8 @@ const ROUNDING: u16 = 641;
 /// The rules of the language, with the modal state.
 pub struct Reader<'a> {
     dialect: &'a Dialect,
-    mismatch_limit_mm: f64,
+    /// What the control demands of an arc.
+    arcs: ArcRule,
     block_numbers: Option<BlockNumbers>,
     /// The last N word.
     number: Option<u32>,
@@ -133,14 +135,14 @@ impl Language for Reader<'_> {
 }
 
 impl<'a> Reader<'a> {
-    pub fn new(dialect: &'a Dialect, mismatch_limit_mm: f64) -> Self {
+    pub fn new(dialect: &'a Dialect, arcs: ArcRule) -> Self {
         let block_numbers = match &dialect.syntax {
             Syntax::Siemens(iso) => Some(iso.block_numbers),
             _ => None,
         };
         Self {
             dialect,
-            mismatch_limit_mm,
+            arcs,
             block_numbers,
             number: None,
             is_over: false,

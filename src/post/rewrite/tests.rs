@@ -5,6 +5,7 @@ use crate::dialects::fanuc::FANUC;
 use crate::dialects::linuxcnc::LINUXCNC;
 use toolpathd_core::geometry::arc_fit::Method;
 
+mod accepted;
 mod evaluator;
 mod random;
 

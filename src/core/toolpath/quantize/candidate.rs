@@ -10,6 +10,7 @@ use super::{
     Written,
 };
 use crate::geometry::curve::{Arc, Curve};
+use crate::toolpath::arc_rule::ArcRule;
 
 /// Factor by which a written radius may exceed [`Curves::largest_radius_mm`], because that limit is meant for
 /// the source's radius.
@@ -24,8 +25,10 @@ struct Rounded<'a> {
     start: Vector3<f64>,
     end: Vector3<f64>,
     source: Circular,
-    /// The largest difference of the radii at the ends that the control accepts, mm.
+    /// The largest difference of the radii at the ends that is written, mm.
     mismatch_mm: f64,
+    /// What the control demands of an arc.
+    accepts: ArcRule,
     /// The largest bound of the distance from the source that is accepted, mm.
     accepted_mm: f64,
     /// The largest radius that is written, mm.
@@ -34,7 +37,7 @@ struct Rounded<'a> {
 
 /// The arc nearest to `piece` among those with rounded ends and a centre on the grid, if one is near enough.
 /// The centre of the source is projected onto the perpendicular bisector of the rounded ends. The nine grid
-/// points around it are tried as centres. The radii at the ends differ by no more than the control accepts.
+/// points around it are tried as centres. Only arcs that the control accepts count.
 pub fn best(piece: &ArcPart, grid: &Grid, runs: &Curves) -> Result<Option<Written>, QuantizeError> {
     let rounded = Rounded::new(piece, grid, runs)?;
     let [a, b] = rounded.in_plane(rounded.start_units);
@@ -75,6 +78,7 @@ impl<'a> Rounded<'a> {
             end: plane.to_local(&grid.point(end_units)),
             source,
             mismatch_mm: runs.radius_mismatch_mm,
+            accepts: runs.accepts,
             accepted_mm: (ACCEPTED_STEPS - runs.reserved_steps(piece.arc)) * grid.step_mm(),
             largest_radius_mm: RADIUS_MARGIN * runs.largest_radius_mm,
         })
@@ -107,23 +111,23 @@ impl<'a> Rounded<'a> {
         if mismatch_units > MAX_MISMATCH_STEPS || mismatch_units * step > self.mismatch_mm {
             return None;
         }
-        let to_start = Vector2::new(-grid.mm(i), -grid.mm(j));
-        let to_end = Vector2::new(grid.mm(to_i), grid.mm(to_j));
-        let sense = bound::sense(arc.direction());
-        let sweep = if self.piece.is_full_turn() {
-            TAU
-        } else {
-            (sense * bound::angle(&to_start, &to_end)).rem_euclid(TAU)
-        };
-        let center = Vector2::new(grid.mm(a + i), grid.mm(b + j));
-        let family = Family { center, start: self.start, end: self.end, to_start, to_end, sweep, sense };
+        let stated = Vector2::new(grid.mm(i), grid.mm(j));
+        let chord = Vector2::new(grid.mm(to_a - a), grid.mm(to_b - b));
+        if !self.accepts.may_write(&stated, &chord) {
+            return None;
+        }
+        let family = self.family(
+            Vector2::new(grid.mm(a + i), grid.mm(b + j)),
+            -stated,
+            Vector2::new(grid.mm(to_i), grid.mm(to_j)),
+        );
         let of_family = bound::distance(&family, &self.source)?;
         if of_family > self.accepted_mm {
             return None;
         }
         let plane = arc.plane();
         let [start, end] = [self.start, self.end].map(|p| plane.to_workpiece(&p));
-        let near = plane.to_workpiece(&Vector3::new(center.x, center.y, self.start.z));
+        let near = plane.to_workpiece(&Vector3::new(family.center.x, family.center.y, self.start.z));
         let exact = Arc::with_center_near(plane, arc.direction(), start, end, near).ok()?;
         let sagitta = 2.0 * exact.radius() * (exact.sweep() / 4.0).sin().powi(2);
         if sagitta < MIN_SAGITTA_STEPS * step || exact.radius() > self.largest_radius_mm {
@@ -131,7 +135,16 @@ impl<'a> Rounded<'a> {
         }
         let exactly = Circular::of(&exact);
         let displacement_mm = of_family.max(bound::distance(&Family::of(&exactly), &self.source)?);
-        if displacement_mm > self.accepted_mm {
+        let slack_mm = bound::distance(&family, &exactly)?;
+        let [own_displacement_mm, own_slack_mm] = match self.accepts.own_center(&stated, &chord) {
+            Some(own) => {
+                let own = self.family(self.start.xy() + own, -own, chord - own);
+                [bound::distance(&own, &self.source)?, bound::distance(&own, &exactly)?]
+            }
+            None => [0.0; 2],
+        };
+        // The slack keeps the bound too: the exact arc, rounded again, finds the same centre.
+        if displacement_mm.max(own_displacement_mm).max(own_slack_mm) > self.accepted_mm {
             return None;
         }
         Some(Written {
@@ -139,9 +152,20 @@ impl<'a> Rounded<'a> {
             end_units: self.end_units,
             form: Form::Arc { center: offsets },
             radius_mismatch_mm: mismatch_units * step,
-            slack_mm: bound::distance(&family, &exactly)?,
-            displacement_mm,
+            slack_mm: slack_mm.max(own_slack_mm),
+            displacement_mm: displacement_mm.max(own_displacement_mm),
         })
+    }
+
+    /// The paths about `center` from the rounded start to the rounded end, as the arc turns.
+    fn family(&self, center: Vector2<f64>, to_start: Vector2<f64>, to_end: Vector2<f64>) -> Family {
+        let sense = bound::sense(self.piece.arc.direction());
+        let sweep = if self.piece.is_full_turn() {
+            TAU
+        } else {
+            (sense * bound::angle(&to_start, &to_end)).rem_euclid(TAU)
+        };
+        Family { center, start: self.start, end: self.end, to_start, to_end, sweep, sense }
     }
 }
 

@@ -158,7 +158,7 @@ impl Reader<'_> {
         }
         let (direction, rate) = self.turn(&words)?;
         let from = self.moved(to);
-        Cut::between(from, self.at, rate)?.arc(plane, direction, center, self.mismatch_limit_mm)
+        Cut::between(from, self.at, rate)?.arc(plane, direction, center, &self.arcs)
     }
 
     /// `CP IPA IZ`: a helix about the centre in XY. Its end is the start turned by IPA and raised by IZ.
@@ -190,7 +190,7 @@ impl Reader<'_> {
         }
         end.z += words.get("IZ").unwrap_or_default() * self.units.mm();
         let from = std::mem::replace(&mut self.at, [end.x, end.y, end.z].map(Some));
-        Cut::between(from, self.at, rate)?.arc(plane, direction, center, self.mismatch_limit_mm)
+        Cut::between(from, self.at, rate)?.arc(plane, direction, center, &self.arcs)
     }
 
     /// The sense and the feed of an arc.

@@ -73,7 +73,7 @@ impl Reader<'_> {
         for axis in [a, b] {
             center[axis] += offsets[axis].unwrap_or_default() * self.unit_mm()?;
         }
-        cut.arc(plane, direction, center, self.mismatch_limit_mm).map(Some)
+        cut.arc(plane, direction, center, &self.arcs).map(Some)
     }
 
     /// How the axis is told. An error where tip control is on, but neither of its two ways is selected, or

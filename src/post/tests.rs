@@ -23,6 +23,7 @@ mod blank;
 mod custom;
 mod deckel;
 mod dialects;
+mod feeds;
 mod golden;
 mod helices;
 mod inverse_time;

@@ -29,7 +29,7 @@ pub const SIEMENS: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 6,
-    numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_whole_digits: 15, max_feed_decimals: 6, spindle_decimals: 3, max_spindle_rpm: 999_999 },
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_whole_digits: 15, max_feed_decimals: 6, feeds_in_tenths_of_inch: false, spindle_decimals: 3, max_spindle_rpm: 999_999 },
     // The usual value of the machine data for the differences of radii.
     curves: Curves { radius_mismatch_mm: 0.01, ..Curves::ARCS },
     abilities: Abilities {

@@ -138,9 +138,19 @@ pub struct Numbers {
     pub max_digits: u32,
     /// Most digits before the point.
     pub max_whole_digits: u32,
+    /// Most decimals of F as it stands in the program.
     pub max_feed_decimals: u8,
+    /// Whether F counts tenths of an inch in a program in inches.
+    pub feeds_in_tenths_of_inch: bool,
     pub spindle_decimals: u8,
     pub max_spindle_rpm: u32,
+}
+
+impl Numbers {
+    /// Most decimals of a feed in units of the program per minute.
+    pub fn feed_decimals(&self, units: Units) -> u8 {
+        self.max_feed_decimals + u8::from(self.feeds_in_tenths_of_inch && units == Units::Inch)
+    }
 }
 
 /// The largest F under G93 of Fanuc and of controls that follow it: the manuals give 9999.999

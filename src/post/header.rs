@@ -5,6 +5,7 @@
 
 use std::fmt::Write;
 
+use super::coarse::{CoarseFeeds, coarse_feeds};
 use super::dialect::Dialect;
 use super::lower::Lowered;
 use super::posed::Slowed;
@@ -62,9 +63,12 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     }
     let measures = measure(toolpath, job.cutting.rapid_feed);
     say("RANGE", range(&measures.bounds, job.cutting.clearance_z_mm, &unit));
+    let output = job.five_axes.map(|five| five.output);
+    let coarse = coarse_feeds(toolpath, job.dialect, job.program.resolution.units, output);
+    let delay_s = lowered.delay_s + coarse.map_or(0.0, |coarse| coarse.by_s);
     let with_ramps = motion_time(toolpath, job.cutting.rapid_feed, job.cutting.acceleration);
     if let Some((plain, with_ramps)) = measures.total_time_s.zip(with_ramps) {
-        let [plain, with_ramps] = [plain, with_ramps].map(|seconds| clock(seconds + lowered.delay_s));
+        let [plain, with_ramps] = [plain, with_ramps].map(|seconds| clock(seconds + delay_s));
         say("TIME", format!("{plain} - WITH ACCELERATION {with_ramps}"));
     }
     let axis = match lowered.displacement_axis.to_degrees() {
@@ -72,7 +76,17 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
         degrees => format!(" AND {:.4} DEGREES", rounded_up(degrees)),
     };
     say("ROUNDING", format!("WITHIN {:.4} MM{axis} OF THE TOOLPATH", rounded_up(lowered.displacement_mm)));
-    if let Slowed { blocks: blocks @ 1.., by_s } = lowered.slowed {
+    if let Some(coarse) = coarse {
+        say(WARNING, coarse_text(&coarse, &unit));
+    }
+    if let Slowed { coarse: blocks @ 1.., coarse_by_s, .. } = lowered.slowed {
+        let by_s = rounded_up(coarse_by_s);
+        say(
+            WARNING,
+            format!("{blocks} BLOCKS ARE TOO SLOW FOR THE DECIMALS OF F AND TAKE {by_s:.3} S LONGER"),
+        );
+    }
+    if let Slowed { blocks: blocks @ 1.., by_s, .. } = lowered.slowed {
         let by_s = rounded_up(by_s);
         say(WARNING, format!("{blocks} BLOCKS ARE TOO SHORT FOR THE LARGEST F AND TAKE {by_s:.3} S LONGER"));
     }
@@ -161,6 +175,16 @@ fn feeds(toolpath: &Toolpath, job: &ProgramJob) -> Result<String, WriteError> {
         parts.push(format!("{name} {}{to}", number(least)));
     }
     Ok(parts.join(" "))
+}
+
+/// What the feeds become that the decimals of F cannot state.
+fn coarse_text(coarse: &CoarseFeeds, unit: &Unit) -> String {
+    let &CoarseFeeds { moves, asked_mm_per_min, written_mm_per_min, by_s } = coarse;
+    let [asked, written] = [asked_mm_per_min, written_mm_per_min].map(|feed| feed / unit.mm);
+    let (name, by_s) = (unit.name, rounded_up(by_s));
+    format!(
+        "{moves} FEEDS ARE TOO SLOW FOR THE DECIMALS OF F - {asked:.6} {name} PER MIN IS WRITTEN AS {written:.4} - {by_s:.3} S LONGER"
+    )
 }
 
 /// What coordinates and axis words mean.

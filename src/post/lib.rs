@@ -38,6 +38,7 @@ mod abilities;
 mod blank;
 mod block;
 mod check;
+mod coarse;
 mod custom;
 mod header;
 mod helix;
@@ -50,6 +51,7 @@ mod words;
 mod write;
 
 pub use abilities::{Missing, missing};
+pub use coarse::{CoarseFeeds, coarse_feeds};
 pub use custom::{CustomFault, CustomPart, MAX_LINES, Refused, refused};
 pub use dialect::{AxisOutput, Dialect};
 pub use dialects::{DIALECTS, dialect};
@@ -173,7 +175,9 @@ pub enum WriteError {
     SpindleSpeed { rpm: f64 },
     #[error("a cutting move of the toolpath has no feed; give every cutting move a feed")]
     FeedMissing,
-    #[error("a feed of {mm_per_min} mm/min is too small or too large for a program; choose another feed")]
+    #[error(
+        "a feed of {mm_per_min} mm/min is below the smallest number that the control reads, or too large; choose another feed"
+    )]
     Feed { mm_per_min: f64 },
     #[error("a dwell of {seconds} s is longer than the {most_s} s that the control reads; divide the dwell")]
     Dwell { seconds: f64, most_s: f64 },

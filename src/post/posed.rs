@@ -134,7 +134,7 @@ pub fn lower(
     }
     lowering.retract(clearance)?;
     let Lowering { blocks, rails, displacement_mm, displacement_axis, slowed, capped_s, .. } = lowering;
-    let delay_s = delay_s + slowed.by_s + capped_s;
+    let delay_s = delay_s + slowed.by_s + slowed.coarse_by_s + capped_s;
     Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis, delay_s, slowed })
 }
 

@@ -25,6 +25,7 @@ mod corrupted;
 mod custom;
 mod deckel;
 mod dialects;
+mod feeds;
 mod golden;
 mod helices;
 mod inverse_time;

@@ -16,8 +16,8 @@ pub const OFFSETS: [char; 3] = ['I', 'J', 'K'];
 /// Relative error that a feed word should keep. The word gets the fewest decimals that keep it.
 const FEED_AGREEMENT: f64 = 5e-5;
 
-/// Largest relative error of a feed word with all decimals that the control reads. A feed with a larger error
-/// is refused.
+/// Largest relative error of a feed word that may be larger than the feed. A feed that all decimals of the
+/// control state no better is rounded down, because a slower feed harms neither tool nor part.
 const LARGEST_FEED_ERROR: f64 = 5e-4;
 
 /// Largest feed, in units of the program per minute. A larger feed is refused.
@@ -62,23 +62,25 @@ impl FeedWord {
     }
 }
 
-/// The feed word for `rate`, in the units of the program.
+/// The feed word for `rate`, in the units of the program. Where the decimals of the control state the feed
+/// badly, the word is slower.
 ///
 /// # Errors
-/// When the feed is too small or too large for the decimals that the control reads and nine digits.
+/// When the feed is below the smallest number that the control reads, or too large for nine digits.
 pub fn feed(rate: FeedRate, units: Units, numbers: &Numbers) -> Result<FeedWord, WriteError> {
-    let word = per_minute(rate.mm_per_min() / units.mm(), numbers);
+    let (value, most) = (rate.mm_per_min() / units.mm(), numbers.feed_decimals(units));
+    let word = per_minute(value, most).or_else(|| per_minute_at_most(value, most));
     word.ok_or(WriteError::Feed { mm_per_min: rate.mm_per_min() })
 }
 
-/// The word for a value by the minute. `None` where it is too small or too large.
-pub fn per_minute(value: f64, numbers: &Numbers) -> Option<FeedWord> {
+/// The word for a value by the minute with `most` decimals at most. `None` where the decimals state the value
+/// badly, and where the value is too large.
+pub fn per_minute(value: f64, most: u8) -> Option<FeedWord> {
     let with = |decimals: u8| FeedWord {
         digits: (value * 10f64.powi(i32::from(decimals))).round() as i64,
         decimals,
     };
     let agrees = |word: &FeedWord, part: f64| (word.value() - value).abs() <= part * value;
-    let most = numbers.max_feed_decimals;
     (0..=most)
         .filter(|_| value <= MAX_FEED)
         .map(with)
@@ -86,9 +88,9 @@ pub fn per_minute(value: f64, numbers: &Numbers) -> Option<FeedWord> {
         .or_else(|| Some(with(most)).filter(|word| value <= MAX_FEED && agrees(word, LARGEST_FEED_ERROR)))
 }
 
-/// The word for at most a value by the minute: 0.2 % less, or as little less as the decimals of the control
-/// allow. `None` where it is too small or too large.
-pub fn per_minute_at_most(value: f64, numbers: &Numbers) -> Option<FeedWord> {
+/// The word for at most a value by the minute, with `most` decimals at most: 0.2 % less, or as little less as
+/// the decimals allow. `None` where it is too small or too large.
+pub fn per_minute_at_most(value: f64, most: u8) -> Option<FeedWord> {
     const LESS: f64 = 0.002;
     let with = |decimals: u8| FeedWord {
         digits: (value * 10f64.powi(i32::from(decimals))).floor() as i64,
@@ -97,7 +99,6 @@ pub fn per_minute_at_most(value: f64, numbers: &Numbers) -> Option<FeedWord> {
     if value > MAX_FEED {
         return None;
     }
-    let most = numbers.max_feed_decimals;
     let near = (0..=most).map(with).find(|word| word.value() >= (1.0 - LESS) * value);
     near.or_else(|| Some(with(most)).filter(|word| word.digits > 0))
 }
@@ -188,6 +189,7 @@ mod tests {
 
     use super::*;
     use crate::dialects::fanuc::FANUC;
+    use crate::dialects::heidenhain::HEIDENHAIN;
     use crate::dialects::linuxcnc::LINUXCNC;
 
     #[test]
@@ -211,6 +213,9 @@ mod tests {
         assert_eq!(word(333.333, Units::Mm), "333.33");
         assert_eq!(word(1000.0, Units::Inch), "39.37");
         assert_eq!(word(0.05, Units::Mm), "0.05");
+        let slow =
+            feed(FeedRate::from_mm_per_min(0.028_37).unwrap(), Units::Mm, &HEIDENHAIN.numbers).unwrap();
+        assert_eq!(fixed(slow.digits, slow.decimals), "0.028");
         let tiny = feed(FeedRate::from_mm_per_min(1e-9).unwrap(), Units::Mm, &LINUXCNC.numbers);
         assert_eq!(tiny, Err(WriteError::Feed { mm_per_min: 1e-9 }));
         assert!(feed(FeedRate::from_mm_per_min(1e300).unwrap(), Units::Mm, &LINUXCNC.numbers).is_err());

@@ -6,6 +6,10 @@
 //! nonzero length, in O(p^4) a span. At each end, the knot vector may have p + 1 equal knots (a clamped end)
 //! or not. [`check_knots`] refuses a knot vector that breaks the caller's rules ([`KnotRules`]).
 //!
+//! A control point acts between its knot and the knot p + 1 places behind. Where all of that lies outside the
+//! domain, the control point has no effect; such a knot vector is refused, because the caller means something
+//! else than the curve that would be drawn.
+//!
 //! # Reference
 //! L. Ramshaw, "Blossoms are polar forms", Computer Aided Geometric Design 6, 1989.
 
@@ -17,6 +21,12 @@ pub const MAX_DEGREE: usize = 7;
 /// The largest quotient of two weights: with a larger one the smaller weights do nothing but harm.
 pub const MAX_WEIGHT_RATIO: f64 = 1e6;
 
+/// The least share that a control point must have somewhere in the curve or surface. A control point with a
+/// smaller share, 1 km away, moves the curve by less than a nanometre. A larger limit would refuse ordinary
+/// data: with uniform knots of degree 7 that are not clamped, and weights of the largest quotient, the first
+/// control point has a share of 2e-10.
+pub const LEAST_SHARE: f64 = 1e-12;
+
 /// The rules for a knot vector, which depend on its use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnotRules {
@@ -24,6 +34,13 @@ pub struct KnotRules {
     pub multiplicity: usize,
     /// The shortest span, as a part of the domain.
     pub shortest_span: f64,
+}
+
+/// An end of the domain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    Start,
+    Finish,
 }
 
 /// Why numbers are not a valid knot vector.
@@ -43,6 +60,42 @@ pub enum KnotError {
         "knot {index} is too close to the knot before it: different knots must be at least {shortest} times the length of the domain apart; make the two knots equal, or move them apart"
     )]
     SpanTooShort { index: usize, shortest: f64 },
+    /// The knot `index` repeats an end of the domain. `points` control points at that end have no effect, the
+    /// first of them with the number `first`.
+    #[error("knot {index} repeats an end of the domain too often: {}", without_effect(*end, *first, *points, *most))]
+    NoEffect { index: usize, end: End, first: usize, points: usize, most: usize },
+}
+
+impl KnotError {
+    /// The knot at fault; `None` where the fault is of all knots.
+    pub fn index(self) -> Option<usize> {
+        match self {
+            Self::Count { .. } | Self::EmptyDomain => None,
+            Self::Decrease { index }
+            | Self::Multiplicity { index, .. }
+            | Self::SpanTooShort { index, .. }
+            | Self::NoEffect { index, .. } => Some(index),
+        }
+    }
+}
+
+/// Says which control points have no effect, and what to do.
+fn without_effect(end: End, first: usize, points: usize, most: usize) -> String {
+    let side = match end {
+        End::Start => "first",
+        End::Finish => "last",
+    };
+    let (idle, them, knots) = match points {
+        1 => (format!("control point {first} along these knots has"), "it", format!("the {side} knot")),
+        _ => (
+            format!("control points {first} to {} along these knots have", first + points - 1),
+            "them",
+            format!("the {side} {points} knots"),
+        ),
+    };
+    format!(
+        "{idle} no effect; leave {them} and {knots} out, so that an end knot occurs at most degree + 1 times, here {most}"
+    )
 }
 
 /// A knot span. Its Bezier control points are `extraction` times the curve's control points from `first` on.
@@ -84,7 +137,7 @@ pub fn check_knots(knots: &[f64], degree: usize, points: usize, rules: KnotRules
         return Err(KnotError::EmptyDomain);
     }
     let shortest = rules.shortest_span;
-    let is_short = |k: &usize| (f64::MIN_POSITIVE..shortest * length).contains(&(knots[*k] - knots[k - 1]));
+    let is_short = |k: &usize| knots[*k] > knots[k - 1] && knots[*k] - knots[k - 1] < shortest * length;
     if let Some(index) = (degree + 1..=points).find(is_short) {
         return Err(KnotError::SpanTooShort { index, shortest });
     }
@@ -93,7 +146,39 @@ pub fn check_knots(knots: &[f64], degree: usize, points: usize, rules: KnotRules
             return Err(KnotError::Multiplicity { index, multiplicity, most: rules.multiplicity });
         }
     }
-    Ok(())
+    idle_end(knots, degree, points).map_or(Ok(()), Err)
+}
+
+/// The control points without effect at an end of the domain. A control point acts between its knot and the
+/// knot degree + 1 places behind. Inside the domain, no control point of a knot vector without knots of a
+/// multiplicity above degree + 1 is without effect.
+fn idle_end(knots: &[f64], degree: usize, points: usize) -> Option<KnotError> {
+    let most = degree + 1;
+    let before = (0..points).take_while(|k| knots[k + degree + 1] <= knots[degree]).count();
+    if before > 0 {
+        return Some(KnotError::NoEffect { index: most, end: End::Start, first: 0, points: before, most });
+    }
+    let behind = (0..points).rev().take_while(|k| knots[*k] >= knots[points]).count();
+    let first = points - behind;
+    (behind > 0).then_some(KnotError::NoEffect {
+        index: points,
+        end: End::Finish,
+        first,
+        points: behind,
+        most,
+    })
+}
+
+/// The largest share of each control point in the Bezier control points of all spans, where all weights are
+/// equal.
+pub fn shares(spans: &[Span], points: usize) -> Vec<f64> {
+    let mut shares = vec![0.0; points];
+    for span in spans {
+        for (share, column) in shares[span.first..].iter_mut().zip(span.extraction.column_iter()) {
+            *share = column.iter().copied().fold(*share, f64::max);
+        }
+    }
+    shares
 }
 
 /// The distinct knots inside the domain: for each the index of its first occurrence and its multiplicity.
@@ -126,3 +211,6 @@ fn blossom(knots: &[f64], degree: usize, span: usize, row: usize, column: usize)
     }
     values[0]
 }
+
+#[cfg(test)]
+mod tests;

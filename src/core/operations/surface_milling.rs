@@ -96,7 +96,7 @@ pub struct Report {
     pub gouge_max_mm: f64,
     /// Where the deepest cut into the surface was found, in mm. `null` where no cut was found; `gouge_max_mm`
     /// may be above 0 nevertheless, because it is a bound.
-    #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
+    #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>, required))]
     pub gouge_at: Option<Point3<f64>>,
     /// Largest distance, in mm, from the finished surface to the material that the passes remove, at places
     /// that the cutter can reach. This is the height of the scallops, or of what stays where no pass leads.
@@ -104,17 +104,19 @@ pub struct Report {
     /// a place that the cutter cannot reach, a place that it can reach may count as rest. With an allowance,
     /// the distance counts from the top of the layer that stays, and is an estimate. `null` with
     /// `wire_union`.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub scallop_max_mm: Option<f64>,
     /// Where `scallop_max_mm` was found, in mm. `null` where nothing was found.
-    #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
+    #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>, required))]
     pub scallop_at: Option<Point3<f64>>,
     /// Largest distance, in mm, from the finished surface to the material that the passes remove, at places
     /// that the cutter cannot reach, proved as `scallop_max_mm` is: the depth of what stays in corners,
     /// grooves and valleys narrower than the cutter, and beside the outline with `boundary: inside`. Rest
     /// much thinner than `scallop_max_mm` counts as scallop. `null` with `wire_union`.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub rest_max_mm: Option<f64>,
     /// Where `rest_max_mm` was found, in mm. `null` where there is no rest.
-    #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>))]
+    #[cfg_attr(feature = "wire", schema(value_type = Option<crate::wire::Place>, required))]
     pub rest_at: Option<Point3<f64>>,
     /// Number of arcs.
     pub n_arcs: usize,

@@ -23,7 +23,7 @@ pub const DECKEL: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 3,
     max_decimals: 3,
-    numbers: Numbers { point: Point::WhereNeeded, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 3, feeds_in_tenths_of_inch: false, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     curves: Curves { arcs: Arcs::AsLines, ..Curves::ARCS },
     abilities: Abilities {
         units: &[Units::Mm],

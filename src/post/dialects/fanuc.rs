@@ -30,7 +30,7 @@ pub const FANUC: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 4,
-    numbers: Numbers { point: Point::Always, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 6, spindle_decimals: 0, max_spindle_rpm: 99_999 },
+    numbers: Numbers { point: Point::Always, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 6, feeds_in_tenths_of_inch: false, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     // What parameter 3410 allows is not known: the usual rule stands.
     curves: Curves::ARCS,
     abilities: Abilities::USUAL,

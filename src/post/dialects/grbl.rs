@@ -24,7 +24,7 @@ pub const GRBL: Dialect = Dialect {
     default_decimals_inch: 4,
     max_decimals: 5,
     // A float of 32 bits holds seven digits; an eighth is read without harm.
-    numbers: Numbers { point: Point::WhereNeeded, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 6, spindle_decimals: 0, max_spindle_rpm: 1_000_000 },
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 6, feeds_in_tenths_of_inch: false, spindle_decimals: 0, max_spindle_rpm: 1_000_000 },
     // The largest radius is the usual one: centres farther away would lose a thousandth in 32 bits.
     // Radii are computed in 32 bits: 0.004 mm leaves room for their rounding.
     curves: Curves { radius_mismatch_mm: 0.004, accepts: ARC_RULE, ..Curves::ARCS },

@@ -26,7 +26,7 @@ pub const HEIDENHAIN: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 4,
-    numbers: Numbers { point: Point::WhereNeeded, max_digits: 9, max_whole_digits: 5, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 9, max_whole_digits: 5, max_feed_decimals: 3, feeds_in_tenths_of_inch: true, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     // The largest radius of CR is 99.9999 m (iTNC 530, *User's Manual*, 340 49x-05, p. 207). C has the same
     // range of coordinates. Rounding may enlarge a written radius by a hundredth.
     curves: Curves { arcs: Arcs::WithHelicesAboutZ, largest_radius_mm: 98_900.0, accepts: ARC_RULE, ..Curves::ARCS },

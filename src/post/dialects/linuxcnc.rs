@@ -34,6 +34,7 @@ pub const LINUXCNC: Dialect = Dialect {
         // An f64 holds any number of 15 digits without loss.
         max_digits: 15, max_whole_digits: 15,
         max_feed_decimals: 6,
+        feeds_in_tenths_of_inch: false,
         spindle_decimals: 3,
         max_spindle_rpm: 1_000_000,
     },

@@ -20,7 +20,7 @@ pub const MACH4: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 6,
-    numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_whole_digits: 15, max_feed_decimals: 6, spindle_decimals: 0, max_spindle_rpm: 1_000_000 },
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_whole_digits: 15, max_feed_decimals: 6, feeds_in_tenths_of_inch: false, spindle_decimals: 0, max_spindle_rpm: 1_000_000 },
     curves: Curves::ARCS,
     abilities: Abilities::USUAL,
     rests_at_mm: None,

@@ -4,6 +4,8 @@
 //! * G56 H selects the length of the tool, in the block of the first motion along Z.
 //! * A dwell counts seconds, as F.
 //! * There is no G28 and no G53.
+//! * F has up to three decimals. No manual at hand states how many the control reads; public post-processors
+//!   for OSP write two decimals in mm and three in inches.
 
 use crate::dialect::{
     Abilities, ArcRule, Curves, Dialect, Dwell, FiveAxisWords, Frame, Iso, Numbers, Point, ProgramNumber, Syntax, Verification,
@@ -21,7 +23,7 @@ pub const OKUMA: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 4,
-    numbers: Numbers { point: Point::Always, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 3, spindle_decimals: 0, max_spindle_rpm: 99_999 },
+    numbers: Numbers { point: Point::Always, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 3, feeds_in_tenths_of_inch: false, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     // Alarm B 2252, code 3: the usual tolerance of the end is 20 micrometres.
     curves: Curves { accepts: ArcRule::fixed(0.02), ..Curves::ARCS },
     abilities: Abilities { safe_homes: &[SafeHome::None], ..Abilities::USUAL },

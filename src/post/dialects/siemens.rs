@@ -31,7 +31,7 @@ pub const SIEMENS: Dialect = Dialect {
     default_decimals_mm: 3,
     default_decimals_inch: 4,
     max_decimals: 6,
-    numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_whole_digits: 15, max_feed_decimals: 6, spindle_decimals: 3, max_spindle_rpm: 999_999 },
+    numbers: Numbers { point: Point::WhereNeeded, max_digits: 15, max_whole_digits: 15, max_feed_decimals: 6, feeds_in_tenths_of_inch: false, spindle_decimals: 3, max_spindle_rpm: 999_999 },
     curves: Curves { radius_mismatch_mm: ARC_RULE.mismatch_mm, accepts: ARC_RULE, ..Curves::ARCS },
     abilities: Abilities {
         work_offsets: &[54, 55, 56, 57],

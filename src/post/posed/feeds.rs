@@ -25,13 +25,11 @@ impl Lowering<'_> {
         // Blocks of few units of the last decimal are longer or shorter than their motions. Where the axes
         // are the limit, they take the time of the motions.
         if written_s >= least_s && (least_s == 0.0 || written_s <= (1.0 + LONGER) * own_s) {
-            let own = words::feed(rate, units, numbers);
-            // A feed too slow for the decimals of the control is rounded down.
-            let least = || words::per_minute_at_most(rate.mm_per_min() / units.mm(), numbers);
-            return own.or_else(|error| least().ok_or(error)).map(|feed| Some(BlockFeed::PerMinute(feed)));
+            return words::feed(rate, units, numbers).map(|feed| Some(BlockFeed::PerMinute(feed)));
         }
         let mm_per_min = 60.0 * length_mm / least_s.max(own_s);
-        match words::per_minute_at_most(mm_per_min / units.mm(), numbers) {
+        let decimals = numbers.feed_decimals(units);
+        match self.slowed.at_most(mm_per_min / units.mm(), decimals, least_s.max(own_s)) {
             Some(feed) => {
                 self.capped_s += (least_s - own_s).max(0.0);
                 Ok(Some(BlockFeed::PerMinute(feed)))

@@ -1,6 +1,7 @@
 //! The times of blocks under G93, and the feeds of turns by the minute, within what a control reads.
 
 use crate::WriteError;
+use crate::coarse::CLOSE;
 use crate::dialect::Numbers;
 use crate::words::{self, FeedWord};
 
@@ -13,12 +14,17 @@ const SHORTEST_S: f64 = 1e-9;
 /// Digits of the largest feed of a turn, at most.
 const LARGEST_DIGITS: u32 = 9;
 
-/// Blocks that are too fast for the largest F.
+/// Blocks that take longer than they should, because of what F can state.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Slowed {
+    /// Blocks that are too fast for the largest F.
     pub blocks: usize,
     /// How much longer they take in all, s.
     pub by_s: f64,
+    /// Blocks whose own feed, which no move of the toolpath has, is too slow for the decimals of F.
+    pub coarse: usize,
+    /// How much longer they take in all, s.
+    pub coarse_by_s: f64,
 }
 
 impl Slowed {
@@ -35,7 +41,8 @@ impl Slowed {
             self.by_s += least_s - seconds;
             return Ok(FeedWord { digits: most.into(), decimals: 0 });
         }
-        words::per_minute(60.0 / seconds, numbers).ok_or(WriteError::InverseTime { seconds })
+        words::per_minute(60.0 / seconds, numbers.max_feed_decimals)
+            .ok_or(WriteError::InverseTime { seconds })
     }
 
     /// The F word of a turn in degrees by the minute. A turn too fast for the largest F takes longer.
@@ -52,6 +59,18 @@ impl Slowed {
             self.by_s += 60.0 * degrees / most - seconds;
             return Ok(FeedWord { digits: most as i64, decimals: 0 });
         }
-        words::per_minute(rate, numbers).ok_or(WriteError::Feed { mm_per_min: rate })
+        let decimals = numbers.max_feed_decimals;
+        let word = words::per_minute(rate, decimals).or_else(|| self.at_most(rate, decimals, seconds));
+        word.ok_or(WriteError::Feed { mm_per_min: rate })
+    }
+
+    /// The F word for at most a value by the minute, of a block that should take some seconds.
+    pub fn at_most(&mut self, value: f64, decimals: u8, seconds: f64) -> Option<FeedWord> {
+        let word = words::per_minute_at_most(value, decimals)?;
+        if word.value() < (1.0 - CLOSE) * value {
+            self.coarse += 1;
+            self.coarse_by_s += seconds * (value / word.value() - 1.0);
+        }
+        Some(word)
     }
 }

@@ -1,6 +1,7 @@
 //! The contract, generated from the handlers and the wire types, and the routes that the contract describes.
 
 mod additions;
+mod directions;
 mod examples;
 
 use std::collections::BTreeMap;
@@ -127,7 +128,7 @@ pub fn contract() -> String {
     let mut document = serde_json::to_value(openapi).unwrap_or_default();
     additions::add(&mut document);
     additions::tidy(&mut document);
-    additions::let_optional_members_be_null(&mut document);
+    directions::tell_apart(&mut document);
     examples::add(&mut document);
     format!("{document:#}")
 }

@@ -11,6 +11,7 @@ use toolpathd_post::{DIALECTS, Dialect};
 use toolpathd_server::http::{App, contract};
 
 use super::support::{Answer, app, for_dialect, post};
+use crate::openapi::schema;
 
 /// An answer that is computed when it is asked for first.
 type Known = Arc<OnceCell<Arc<Answer>>>;
@@ -204,8 +205,9 @@ async fn the_accept_header_and_the_format_parameter_give_the_same_answer() {
 }
 
 #[tokio::test]
-async fn every_answer_in_json_has_the_members_of_the_contract() {
+async fn every_answer_in_json_obeys_the_contract() {
     let app = app(&["--workers", "1"]);
+    let document: Value = serde_json::from_str(&contract()).expect("JSON");
     for example in examples() {
         let Example { path, name, body } = &example;
         let answer = example.in_json(&app).await;
@@ -218,6 +220,9 @@ async fn every_answer_in_json_has_the_members_of_the_contract() {
             json["warnings"].is_array() && json["report"].is_object(),
             "{path} {name}: no warnings or no report"
         );
+        let answered = &document["paths"][path]["post"]["responses"]["200"]["content"]["application/json"];
+        let faults = schema::faults(&document, &answered["schema"], &json, "#");
+        assert!(faults.is_empty(), "{path} {name}: the answer breaks its schema: {faults:#?}");
         let has_path = is_path(path);
         assert_eq!(json["measures"]["moves"]["line"].is_u64(), has_path, "{path} {name}: measures");
     }

@@ -125,12 +125,18 @@ async fn edges_and_poles_cause_warnings_and_offset_section_refuses_edges_and_gap
 #[tokio::test]
 async fn every_violation_in_a_surface_has_its_code_and_its_pointer() {
     let app = app(&["--workers", "1"]);
+    // The last row of control points has no effect.
+    let idle = json!({
+        "kind": "nurbs", "degree_u": 2, "degree_v": 1, "knots_u": [0, 0, 0, 1, 1, 1, 1], "knots_v": [0, 0, 1, 1],
+        "control_points": (0..4).map(|i| [[10 * i, 0, 0], [10 * i, 20, 0]]).collect::<Vec<_>>(),
+    });
     let thousand_wires = with(CYLINDER, "/wires/pitch_mm", json!(0.001));
     for (body, code, pointer) in [
         (with(CYLINDER, "/surface/degree_u", json!(8)), "out_of_range", "#/surface/degree_u"),
         (with(CYLINDER, "/surface/knots_u/3", json!(5)), "out_of_range", "#/surface/knots_u/4"),
         (with(CYLINDER, "/surface/knots_v", json!([0, 1])), "wrong_length", "#/surface/knots_v"),
         (with(CYLINDER, "/surface/knots_v", json!([0, 0, 0, 0])), "out_of_range", "#/surface/knots_v"),
+        (with(CYLINDER, "/surface", idle), "out_of_range", "#/surface/knots_u/4"),
         (with(CYLINDER, "/surface/weights/1/0", json!(0)), "out_of_range", "#/surface/weights/1/0"),
         (with(CYLINDER, "/surface/weights/1", json!([1])), "wrong_length", "#/surface/weights/1"),
         (

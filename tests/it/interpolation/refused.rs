@@ -196,6 +196,46 @@ async fn conflicting_missing_and_illegal_fields_are_refused_with_their_pointer_a
 }
 
 #[tokio::test]
+async fn a_control_point_without_effect_is_refused_by_pointer() {
+    let body = |degree: usize, knots: &[f64], weights: Option<Vec<f64>>| {
+        let points: Vec<_> = (0..knots.len() - degree - 1).map(|k| json!([k, -4 + (k as i32) % 2])).collect();
+        json!({
+            "curve": {
+                "kind": "nurbs", "degree": degree, "knots": knots, "control_points": points, "weights": weights,
+            },
+            "method": "linear", "band": { "below_mm": 0.01, "above_mm": 0.01 },
+        })
+    };
+    for (degree, knots, weights, pointer) in [
+        (2, vec![0., 0., 0., 0., 1., 1., 1., 1.], None, "#/curve/knots/3"),
+        (2, vec![0., 0., 0., 1., 1., 1., 1.], None, "#/curve/knots/4"),
+        (1, vec![0., 0., 0., 1., 2., 2.], None, "#/curve/knots/2"),
+        (2, vec![-2., -1., 0., 0., 1., 2., 3.], None, "#/curve/knots/3"),
+        (4, vec![-1e5, -1e5, -1e5, -1e5, 0., 1., 2., 3., 4., 5.], None, "#/curve/control_points/0"),
+        (2, vec![0., 0., 0., 1., 1., 1., 1., 2., 2., 2.], None, "#/curve/knots/3"),
+        (2, vec![0., 0., 0., 1., 1., 1.], Some(vec![1.0, 0.0, 1.0]), "#/curve/weights/1"),
+        (2, vec![0., 0., 0., 1., 1., 1.], Some(vec![1.0, 1e-6, 10.0]), "#/curve/weights/1"),
+        (
+            3,
+            vec![-1e4, -1e4, -1e4, 0., 1., 2., 3., 4.],
+            Some(vec![1e-6, 1.0, 1.0, 1.0]),
+            "#/curve/control_points/0",
+        ),
+    ] {
+        let error = blamed(&body(degree, &knots, weights)).await;
+        assert_eq!((&error["pointer"], &error["code"]), (&json!(pointer), &json!("out_of_range")), "{error}");
+    }
+    for (degree, knots) in [
+        (2, vec![0., 0., 0., 1., 1., 1.]),
+        (2, vec![0., 0., 0., 1., 1., 2., 2., 2.]),
+        (2, vec![0., 1., 2., 3., 4., 5., 6.]),
+        (3, vec![0., 0., 0., 0., 1., 2., 3., 4.]),
+    ] {
+        assert_eq!(ask(&body(degree, &knots, None)).await.status, 200, "{knots:?}");
+    }
+}
+
+#[tokio::test]
 async fn a_program_needs_a_feed_and_a_toolpath_does_not() {
     let body = graph("sin(x)", [0.0, 6.5]);
     let json = ask(&body).await.json();

@@ -104,5 +104,20 @@ export function passes(answer: Answer<"millSurface">): number {
   return answer.report.n_passes + answer.warnings.length + (answer.toolpath?.passes.length ?? 0);
 }
 
+// An answer leaves out what is absent, and never holds `null` there.
+export function time(answer: Answer<"millSurface">): number | undefined {
+  return answer.measures?.total_time_s;
+}
+
+// What an answer holds in any case may be `null`, where the service sends `null`.
+export function rest(answer: Answer<"millSurface">): number | null {
+  return answer.report.rest_max_mm;
+}
+
+// A toolpath from an answer may be sent. A request may hold `null` for what is absent.
+export function again(toolpath: NonNullable<Answer<"millSurface">["toolpath"]>): Body<"writeProgram"> {
+  return { toolpath, cutting: null };
+}
+
 // @ts-expect-error: a ruled surface has no points.
 export const wrong: components["schemas"]["Surface"] = { kind: "ruled", points: [] };

@@ -10,6 +10,9 @@
 //! A knot inside the domain may occur p + 1 times. The curve can then have a gap at this knot; a curve with a
 //! gap is refused.
 //!
+//! A control point without effect on the curve is refused: one whose knots lie outside the domain, and one
+//! whose share in the curve is below [`LEAST_SHARE`].
+//!
 //! # Cost
 //! O(n p^4) for n control points.
 
@@ -18,7 +21,7 @@ use nalgebra::{Point2, Vector3};
 use super::LARGEST;
 use super::piecewise::{Bezier, BezierError, Piecewise, PiecewiseError};
 use super::weights::{WeightError, check_weights};
-use crate::geometry::bspline::{KnotError, KnotRules, MAX_DEGREE, Span, check_knots, spans};
+use crate::geometry::bspline::{KnotError, KnotRules, LEAST_SHARE, MAX_DEGREE, Span, check_knots, spans};
 
 /// The shortest knot span, as a part of the domain. A shorter span is two knots that should be equal. A curve
 /// through a million points has spans of 1e-6, so the limit is far below that.
@@ -72,6 +75,10 @@ pub enum NurbsError {
         "the curve has a gap of {gap_mm} mm at parameter {parameter}; give the two parts as two curves, or close the gap"
     )]
     Gap { parameter: f64, gap_mm: f64 },
+    #[error(
+        "control point {index} has no effect: its share in the curve is below {LEAST_SHARE:e}; leave it out, move the knots outside the domain nearer to the domain, or send weights that are nearer to each other"
+    )]
+    NoEffect { index: usize },
     /// A fault that no rule above excludes: parameters too large or too close together, or too many pieces.
     #[error("{0}")]
     Chain(PiecewiseError),
@@ -105,10 +112,15 @@ impl Nurbs {
         let is_rational = !self.has_equal_weights();
         let mut starts = Vec::new();
         let mut pieces = Vec::new();
+        let mut shares = vec![0.0; points];
         for span in spans(&self.knots, degree, points) {
+            self.raise_shares(&span, &mut shares);
             let bezier = if is_rational { self.rational(&span) } else { self.polynomial(&span) };
             pieces.push((bezier.map_err(NurbsError::Piece)?, span.ends[1]));
             starts.push(span.ends[0]);
+        }
+        if let Some(index) = shares.iter().position(|share| *share < LEAST_SHARE) {
+            return Err(NurbsError::NoEffect { index });
         }
         Piecewise::new(self.knots[degree], pieces).map_err(|error| match error {
             PiecewiseError::Gap { index, gap_mm } => {
@@ -116,6 +128,23 @@ impl Nurbs {
             }
             other => NurbsError::Chain(other),
         })
+    }
+
+    /// Raises each control point's share to its largest share in a Bezier control point of the span. A
+    /// control point has nowhere on the span a larger share.
+    fn raise_shares(&self, span: &Span, shares: &mut [f64]) {
+        let width = self.degree + 1;
+        for row in 0..width {
+            let part = |column: usize| self.weight(span.first + column) * span.extraction[(row, column)];
+            let sum: f64 = (0..width).map(part).sum();
+            for (column, share) in shares[span.first..span.first + width].iter_mut().enumerate() {
+                *share = f64::max(*share, part(column) / sum);
+            }
+        }
+    }
+
+    fn weight(&self, index: usize) -> f64 {
+        self.weights.as_ref().map_or(1.0, |weights| weights[index])
     }
 
     fn polynomial(&self, span: &Span) -> Result<Bezier, BezierError> {
@@ -136,7 +165,7 @@ impl Nurbs {
             let mut sum = Vector3::zeros();
             for column in 0..=self.degree {
                 let at = span.first + column;
-                let weight = self.weights.as_ref().map_or(1.0, |weights| weights[at]);
+                let weight = self.weight(at);
                 let homogeneous = (self.control_points[at].coords * weight).push(weight);
                 sum += homogeneous * span.extraction[(row, column)];
             }

@@ -8,6 +8,8 @@
 //! # Degenerate input
 //! A surface can have a sharp edge at a knot inside the domain that occurs p times; [`joints`](super::joints)
 //! finds such edges. A knot inside the domain that occurs more than p times could make a gap, and is refused.
+//! So is a control point without effect: one whose knots lie outside the domain, and one whose share in the
+//! surface is below [`LEAST_SHARE`].
 //!
 //! # Cost
 //! O(p^2 q^2) for each patch of degree p along u and q along v.
@@ -19,7 +21,8 @@ use super::bezier::BezierSurface;
 use super::patch::RationalPatch;
 use super::patch::raise::raised;
 use crate::geometry::bspline::{
-    KnotError, KnotRules, MAX_DEGREE, MAX_WEIGHT_RATIO, Span, check_knots, inner_knots, spans,
+    KnotError, KnotRules, LEAST_SHARE, MAX_DEGREE, MAX_WEIGHT_RATIO, Span, check_knots, inner_knots, shares,
+    spans,
 };
 
 /// The shortest knot span, as a part of the domain. A shorter span is a mistake in the data, or two knots
@@ -62,6 +65,12 @@ pub enum NurbsError {
         "knot {index} is too close to the knot before it: different knots must be at least {SHORTEST_SPAN} times the length of the domain apart; make the two knots equal, or move them apart"
     )]
     SpanTooShort { along: usize, index: usize },
+    #[error("{error}")]
+    KnotWithoutEffect { along: usize, index: usize, error: KnotError },
+    #[error(
+        "control point [{i}][{j}] has no effect: its share in the surface is below {LEAST_SHARE:e}; leave its row or column out, move the knots outside the domain nearer to the domain, or send weights that are nearer to each other"
+    )]
+    PointWithoutEffect { i: usize, j: usize },
     #[error("there are {found} rows of weights for {expected} rows of control points")]
     WeightRows { found: usize, expected: usize },
     #[error("row {row} has {found} weights for {expected} control points")]
@@ -99,6 +108,9 @@ impl Nurbs {
         if patches > limit {
             return Err(NurbsError::TooManyPatches { patches, limit });
         }
+        if let Some([i, j]) = self.point_without_effect(&spans, size) {
+            return Err(NurbsError::PointWithoutEffect { i, j });
+        }
         Ok(if is_high {
             AnySurface::HighDegree(BezierSurface::from_fn(counts, |i, j| self.patch(at(i, j))))
         } else if self.has_equal_weights() {
@@ -120,9 +132,50 @@ impl Nurbs {
         })
     }
 
+    /// The first control point whose share in the surface is nowhere [`LEAST_SHARE`].
+    fn point_without_effect(&self, spans: &[Vec<Span>; 2], size: [usize; 2]) -> Option<[usize; 2]> {
+        let along = [0, 1].map(|k| shares(&spans[k], size[k]));
+        let largest = self.weights.iter().flatten().flatten().copied().reduce(f64::max).unwrap_or(1.0);
+        let places = || (0..size[0]).flat_map(|i| (0..size[1]).map(move |j| [i, j]));
+        // No sum of weights is larger than the largest weight, so the share is no smaller than this bound.
+        let has_bound =
+            |[i, j]: [usize; 2]| along[0][i] * along[1][j] * self.weight(i, j) >= LEAST_SHARE * largest;
+        if places().all(has_bound) {
+            return None;
+        }
+        let mut shares = vec![vec![0.0; size[1]]; size[0]];
+        for u in &spans[0] {
+            for v in &spans[1] {
+                self.raise_shares([u, v], &mut shares);
+            }
+        }
+        places().find(|[i, j]| shares[*i][*j] < LEAST_SHARE)
+    }
+
+    /// Raises each control point's share to its largest share in a Bezier control point of the patch. A
+    /// control point has nowhere on the patch a larger share.
+    fn raise_shares(&self, [u, v]: [&Span; 2], shares: &mut [Vec<f64>]) {
+        let widths = self.degree.map(|degree| degree + 1);
+        let cells = || (0..widths[0]).flat_map(|k| (0..widths[1]).map(move |l| [k, l]));
+        for [a, b] in cells() {
+            let part = |[k, l]: [usize; 2]| {
+                self.weight(u.first + k, v.first + l) * u.extraction[(a, k)] * v.extraction[(b, l)]
+            };
+            let sum: f64 = cells().map(part).sum();
+            for [k, l] in cells() {
+                let share = &mut shares[u.first + k][v.first + l];
+                *share = f64::max(*share, part([k, l]) / sum);
+            }
+        }
+    }
+
+    fn weight(&self, i: usize, j: usize) -> f64 {
+        self.weights.as_ref().map_or(1.0, |weights| weights[i][j])
+    }
+
     /// The control point times its weight, followed by the weight.
     fn homogeneous(&self, i: usize, j: usize) -> Vector4<f64> {
-        let weight = self.weights.as_ref().map_or(1.0, |weights| weights[i][j]);
+        let weight = self.weight(i, j);
         (self.control_points[i][j].coords * weight).push(weight)
     }
 
@@ -202,6 +255,7 @@ impl NurbsError {
             }
             KnotError::EmptyDomain => Self::EmptyDomain { along },
             KnotError::SpanTooShort { index, shortest: _ } => Self::SpanTooShort { along, index },
+            KnotError::NoEffect { index, .. } => Self::KnotWithoutEffect { along, index, error },
         }
     }
 }

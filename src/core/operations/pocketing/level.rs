@@ -78,6 +78,7 @@ pub struct Island {
     #[cfg_attr(feature = "wire", schema(value_type = [f64; 2]))]
     pub centroid: Point2<f64>,
     /// Distance to the nearest other island, in mm; `null` without another island.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub nearest_island_mm: Option<f64>,
     /// Distance to the wall, in mm.
     pub wall_mm: f64,

@@ -32,16 +32,22 @@ pub struct Candidate {
     pub invalid_because: Option<String>,
     /// The paper's time, in s: cutting length by feed, and rapid length by traverse rate. `null`, like the
     /// other times and lengths, where the pattern has no path.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub paper_time_s: Option<f64>,
     /// Time of all moves at their feeds, in s.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub time_s: Option<f64>,
     /// Estimated time on a machine that accelerates and brakes, in s.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub time_with_acceleration_s: Option<f64>,
     /// Time of rapids and of feed motion that cuts nothing, in s.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub non_cutting_time_s: Option<f64>,
     /// Length of all feed moves, in mm.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub cutting_length_mm: Option<f64>,
     /// Length of all rapids, in mm.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub rapid_length_mm: Option<f64>,
     /// Length of feed motion at the level's floor that cuts nothing, in mm.
     pub air_length_mm: f64,
@@ -74,6 +80,7 @@ pub struct LevelReport {
     /// The islands.
     pub islands: Vec<Island>,
     /// The pattern that the program uses; `null` where the tool fits nowhere on the level.
+    #[cfg_attr(feature = "wire", schema(required))]
     pub chosen: Option<Pattern>,
     /// All patterns that were asked for; none where the tool fits nowhere.
     pub candidates: Vec<Candidate>,

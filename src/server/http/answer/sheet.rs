@@ -3,7 +3,7 @@
 use super::{Cut, Outcome, Product};
 use crate::http::dto::meta;
 use crate::http::dto::setup::Setup;
-use crate::http::messages::Warning;
+use crate::http::messages::{Warning, WarningCode};
 use crate::http::request::negotiation::PictureView;
 use toolpathd_core::toolpath::cutting::{Coolant, Cutting};
 use toolpathd_core::toolpath::measure::measure;
@@ -122,6 +122,12 @@ fn driving_lines(cutting: &Cutting) -> [String; 3] {
 /// Warnings as lines for a program and a sheet: the code, then the detail.
 pub fn told(warnings: &[Warning]) -> Vec<String> {
     warnings.iter().map(|warning| format!("{} - {}", warning.code.name(), warning.detail)).collect()
+}
+
+/// Warnings as lines for a program. The header of a program tells of its feeds itself.
+pub fn told_in_program(warnings: &[Warning]) -> Vec<String> {
+    let others = warnings.iter().filter(|warning| warning.code != WarningCode::FeedRounded).cloned();
+    told(&others.collect::<Vec<_>>())
 }
 
 /// The texts of the caller's `meta` and the comments of the operation.

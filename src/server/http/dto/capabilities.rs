@@ -33,8 +33,8 @@ pub struct Dialect {
     default_decimals: DefaultDecimals,
     /// Largest number of decimals of a written coordinate.
     max_decimals: u8,
-    /// Largest number of decimals of a written feed. A feed is refused if
-    /// rounding to these decimals changes it by more than 0.05 %.
+    /// Largest number of decimals of a written feed. A feed that these decimals state with an error above
+    /// 0.05 % is rounded down. Where the feed becomes slower by more than 1 %, the answer warns.
     max_feed_decimals: u8,
     /// The largest `program.number`: a plain number. Absent where the dialect has no program numbers.
     #[serde(skip_serializing_if = "Option::is_none")]

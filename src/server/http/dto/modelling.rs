@@ -136,11 +136,13 @@ pub struct ModelReport {
     wires: Option<Vec<Wire>>,
     /// Largest distance between the given points and the surface through these points, in mm. `null` for
     /// kinds of surfaces that do not pass through given points.
+    #[schema(required)]
     fit_deviation_max_mm: Option<f64>,
     /// Proved upper bound of the curvature over all places and directions, in 1/mm, counted positive where
     /// the surface is concave seen from above and negative where it is convex. Where the value is above 0, a
     /// ball fits everywhere if its radius is less than 1 divided by the value. Where the value is 0 or
     /// negative, every ball fits. `null` where a place of the surface has no normal, or may have none.
+    #[schema(required)]
     curvature_max_concave_per_mm: Option<f64>,
 }
 

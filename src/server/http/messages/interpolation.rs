@@ -138,7 +138,11 @@ fn nurbs(fault: NurbsError, curve: &Pointer, fact: String) -> ApiError {
         NurbsError::Degree { .. } => (curve.field("degree"), FieldCode::OutOfRange),
         NurbsError::TooFewPoints { .. } => (curve.field("control_points"), FieldCode::TooFewPoints),
         NurbsError::Point { index } => (curve.field("control_points").index(index), FieldCode::TooLarge),
-        NurbsError::Knots(_) => (curve.field("knots"), FieldCode::OutOfRange),
+        NurbsError::Knots(fault) => {
+            let knots = curve.field("knots");
+            (fault.index().map_or(knots.clone(), |index| knots.index(index)), FieldCode::OutOfRange)
+        }
+        NurbsError::NoEffect { index } => (curve.field("control_points").index(index), FieldCode::OutOfRange),
         NurbsError::Weights(WeightError::Count { .. }) => (curve.field("weights"), FieldCode::WrongLength),
         NurbsError::Weights(WeightError::Range { index, .. } | WeightError::Ratio { index, .. }) => {
             (curve.field("weights").index(index), FieldCode::OutOfRange)

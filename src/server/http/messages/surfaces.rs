@@ -110,9 +110,11 @@ fn of_nurbs(error: NurbsError) -> (Pointer, FieldCode) {
         NurbsError::EmptyDomain { along } => (knots(along), FieldCode::OutOfRange),
         NurbsError::KnotsDecrease { along, index }
         | NurbsError::SpanTooShort { along, index }
+        | NurbsError::KnotWithoutEffect { along, index, .. }
         | NurbsError::KnotMultiplicity { along, index, .. } => {
             (knots(along).index(index), FieldCode::OutOfRange)
         }
+        NurbsError::PointWithoutEffect { i, j } => (points.index(i).index(j), FieldCode::OutOfRange),
         NurbsError::TooManyPatches { .. } => (points, FieldCode::LimitExceeded),
         NurbsError::WeightRows { .. } => (weights, FieldCode::WrongLength),
         NurbsError::WeightColumns { row, .. } => (weights.index(row), FieldCode::WrongLength),

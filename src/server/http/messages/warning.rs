@@ -69,6 +69,8 @@ pub enum WarningCode {
     NoToolNumber,
     /// `program.work_offset` is absent: the program runs with the active work offset.
     NoWorkOffset,
+    /// The decimals of F cannot state some feeds closely; those moves run slower.
+    FeedRounded,
     /// `tool.length_offset` differs from `tool.number`.
     LengthOffsetDiffers,
     /// Words of `cl` or `nc` change nothing of the answer.

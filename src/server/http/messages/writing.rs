@@ -1,13 +1,14 @@
 //! NC programs that are not written, and what a request asks of a dialect that the dialect cannot write.
 
-use super::{member, too_large, violation};
+use super::{Warning, WarningCode, member, too_large, violation};
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::machine::FollowError;
 use toolpathd_core::toolpath::cutting::Coolant;
 use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode};
 use toolpathd_core::toolpath::quantize::QuantizeError;
-use toolpathd_post::{CustomFault, CustomPart, Missing, OwnSmoothing, Refused, WriteError};
+use toolpathd_core::toolpath::units::rounded_up;
+use toolpathd_post::{CoarseFeeds, CustomFault, CustomPart, Missing, OwnSmoothing, Refused, WriteError};
 
 impl From<QuantizeError> for ApiError {
     fn from(error: QuantizeError) -> Self {
@@ -18,6 +19,17 @@ impl From<QuantizeError> for ApiError {
             }
             QuantizeError::TooManyPieces { .. } => too_large("/program/decimals", fact),
         }
+    }
+}
+
+impl From<CoarseFeeds> for Warning {
+    fn from(coarse: CoarseFeeds) -> Self {
+        let CoarseFeeds { moves, asked_mm_per_min, written_mm_per_min, by_s } = coarse;
+        let by_s = rounded_up(by_s);
+        let detail = format!(
+            "the decimals of F cannot state the feeds of {moves} moves: the program writes {asked_mm_per_min} mm/min as {written_mm_per_min:.6} mm/min, and takes {by_s} s longer in all; send a feed that F can state, or choose another dialect"
+        );
+        Self { code: WarningCode::FeedRounded, detail }
     }
 }
 

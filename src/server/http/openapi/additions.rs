@@ -1,8 +1,6 @@
 //! Adds the parts of the contract that all operations share: headers, problem documents and the forms of
 //! answers. The handlers document only the JSON answer.
 
-use std::collections::BTreeSet;
-
 use axum::http::StatusCode;
 use serde_json::{Map, Value, json};
 
@@ -134,57 +132,6 @@ fn add_forms(operation: &mut Value) {
     answer["headers"]["idempotency-key"] = header("IdempotencyKey");
     if let Some(parameters) = operation["parameters"].as_array_mut() {
         parameters.push(idempotency_key());
-    }
-}
-
-/// Lets every optional member of a request be `null`, as the decoder does: such a member counts as absent.
-pub fn let_optional_members_be_null(document: &mut Value) {
-    let mut open = Vec::new();
-    let items = document["paths"].as_object().into_iter().flat_map(Map::values);
-    for item in items.filter_map(Value::as_object) {
-        item.values().for_each(|operation| gather_references(&operation["requestBody"], &mut open));
-    }
-    let Some(schemas) = document["components"]["schemas"].as_object_mut() else { return };
-    let mut done = BTreeSet::new();
-    while let Some(name) = open.pop() {
-        let Some(schema) = schemas.get_mut(&name).filter(|_| done.insert(name)) else { continue };
-        gather_references(schema, &mut open);
-        let required = schema["required"].clone();
-        let is_required =
-            |name: &String| required.as_array().is_some_and(|names| names.contains(&json!(name)));
-        let properties = schema.get_mut("properties").and_then(Value::as_object_mut);
-        let optional = properties.into_iter().flatten().filter(|(name, _)| !is_required(name));
-        optional.for_each(|(_, member)| let_be_null(member));
-        schema.get_mut("additionalProperties").into_iter().for_each(let_be_null);
-    }
-}
-
-/// The names of all schemas that a part of the contract refers to.
-fn gather_references(value: &Value, names: &mut Vec<String>) {
-    match value {
-        Value::Object(members) => {
-            let name = members.get("$ref").and_then(Value::as_str).and_then(|place| place.rsplit('/').next());
-            names.extend(name.map(str::to_owned));
-            members.values().for_each(|value| gather_references(value, names));
-        }
-        Value::Array(items) => items.iter().for_each(|value| gather_references(value, names)),
-        _ => {}
-    }
-}
-
-/// Adds `null` to what a schema allows. The description and the default stay beside the alternatives.
-fn let_be_null(schema: &mut Value) {
-    let nothing = json!({ "type": "null" });
-    let Some(members) = schema.as_object_mut() else { return };
-    if let Some(reference) = members.remove("$ref") {
-        members.insert("oneOf".to_owned(), json!([{ "$ref": reference }, nothing]));
-    } else if let Some(alternatives) = members.get_mut("oneOf").and_then(Value::as_array_mut) {
-        if !alternatives.contains(&nothing) {
-            alternatives.push(nothing);
-        }
-    } else if let Some(Value::String(own)) = members.get("type") {
-        let types = json!([own, "null"]);
-        members.insert("type".to_owned(), types);
     }
 }
 

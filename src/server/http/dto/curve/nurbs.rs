@@ -29,7 +29,8 @@ pub struct Nurbs {
     /// Degree of the curve: a count, 3 for cubics.
     #[schema(minimum = 1, maximum = 7)]
     degree: u32,
-    /// Knots: plain numbers, none smaller than the knot before.
+    /// Knots: plain numbers, none smaller than the knot before. An end knot is repeated at most degree + 1
+    /// times, so that every control point has an effect.
     #[schema(value_type = CurveKnots)]
     knots: Vec<f64>,
     /// Control points `[x, y]` in mm. The coordinates are not multiplied by the weights.

@@ -29,6 +29,7 @@ pub struct ReadReport {
     /// Largest feed of a cut, in mm/min; 0 where nothing is cut.
     feed_max_mm_per_min: f64,
     /// Largest speed of the spindle during a cut, in 1/min. `null` where the spindle never turns.
+    #[schema(required)]
     spindle_max_rpm: Option<f64>,
     /// What each tool does, in the order of the tool changes.
     tools: Vec<ToolReport>,
@@ -44,6 +45,7 @@ pub struct ReadReport {
 #[derive(Debug, Clone, Serialize, ToSchema)]
 struct ToolReport {
     /// Number of the tool. `null` before the first tool change.
+    #[schema(required)]
     number: Option<u32>,
     /// Number of the line of the tool change, counted from 1; 1 before the first tool change.
     line: usize,
@@ -62,6 +64,7 @@ struct ToolReport {
     /// Its largest feed, in mm/min; 0 where it cuts nothing.
     feed_max_mm_per_min: f64,
     /// Its largest speed during a cut, in 1/min. `null` where the spindle never turns.
+    #[schema(required)]
     spindle_max_rpm: Option<f64>,
 }
 

@@ -32,11 +32,11 @@ pub struct Nurbs {
     #[schema(minimum = 1, maximum = 7)]
     degree_v: u32,
     /// Knots along u: plain numbers, none smaller than the knot before. Inside the domain no knot is repeated
-    /// more often than the degree.
+    /// more often than the degree. An end knot is repeated at most degree + 1 times.
     #[schema(value_type = SurfaceKnots)]
     knots_u: Vec<f64>,
     /// Knots along v: plain numbers, none smaller than the knot before. Inside the domain no knot is repeated
-    /// more often than the degree.
+    /// more often than the degree. An end knot is repeated at most degree + 1 times.
     #[schema(value_type = SurfaceKnots)]
     knots_v: Vec<f64>,
     /// Control points in mm: `control_points[i][j]`, i along u and j along v. The coordinates are not

@@ -167,7 +167,9 @@ mod tests {
         let built = Path::new(&path, 50.0, Deviation { tip_mm: 0.05, axis: 1e-3 }).unwrap();
         let seconds: f64 = (0..built.paces.len())
             .map(|k| match built.paces[k] {
-                Pace::Feed(feed) => way_mm(&built.stations[k], &built.stations[k + 1]) / feed.mm_per_s(),
+                Pace::Feed(feed) => {
+                    pose(&built.stations[k]).way_mm(&pose(&built.stations[k + 1]), 50.0) / feed.mm_per_s()
+                }
                 Pace::Rapid => 0.0,
             })
             .sum();

@@ -206,5 +206,5 @@ fn tool_axes(samples: &[TimedPose]) -> Vec<Vec<Point3<f64>>> {
     // Samples are even in time.
     let last = samples.len() - 1;
     let count = AXIS_LINES.min(last);
-    (0..=count).map(|n| line(&samples[if count == 0 { 0 } else { n * last / count }])).collect()
+    (0..=count).map(|n| line(&samples[n * last / count.max(1)])).collect()
 }

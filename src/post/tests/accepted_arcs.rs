@@ -43,7 +43,7 @@ impl Source {
             0 => TAU / 2.0,
             1 => TAU / 2.0 + if dice.roll() < 0.5 { gap } else { -gap },
             2 => TAU - gap,
-            3 if k % 2 == 0 => TAU,
+            3 if k.is_multiple_of(2) => TAU,
             _ => 0.01 + (TAU - 0.01) * dice.roll(),
         };
         Self {
@@ -51,9 +51,9 @@ impl Source {
             direction: if dice.roll() < 0.5 { Direction::Ccw } else { Direction::Cw },
             center: Vector3::new(dice.roll(), dice.roll(), dice.roll()) * 40.0,
             radius: 0.05 * 100f64.powf(dice.roll()),
-            angle: if k % 7 == 0 { 0.0 } else { TAU * dice.roll() },
+            angle: if k.is_multiple_of(7) { 0.0 } else { TAU * dice.roll() },
             sweep,
-            rise: if k % 4 == 0 { dice.roll() - 0.5 } else { 0.0 },
+            rise: if k.is_multiple_of(4) { dice.roll() - 0.5 } else { 0.0 },
         }
     }
 

@@ -199,7 +199,8 @@ fn with_arc(end: [f64; 2], center: [f64; 2]) -> String {
     let text = written_as(&SIEMENS, &path.finish().unwrap(), MM).text;
     let own = "X1.000 Y0.000 I0.500 J0.000";
     assert!(text.contains(own), "{text}");
-    let [[x, y], [i, j]] = [end, center];
+    // No number of a program is a negative zero.
+    let [[x, y], [i, j]] = [end, center].map(|p| p.map(|at| (at * 1000.0).round() / 1000.0 + 0.0));
     text.replacen(own, &format!("X{x:.3} Y{y:.3} I{i:.3} J{j:.3}"), 1)
 }
 

@@ -159,7 +159,8 @@ fn a_small_half_circle_of_odd_length_becomes_two_quarters_on_siemens() {
 
 #[test]
 fn every_written_arc_keeps_the_rules_of_its_control_and_the_stated_deviation() {
-    for (seed, dialect) in DIALECTS.iter().enumerate() {
+    let has_arcs = |dialect: &&&Dialect| dialect.curves.arcs != Arcs::AsLines;
+    for (seed, dialect) in DIALECTS.iter().filter(has_arcs).enumerate() {
         let mut dice = Dice::new(seed as u64 + 1);
         let (mut n_sources, mut n_arcs) = (0, 0);
         for decimals in [3, 4] {
@@ -196,8 +197,7 @@ fn every_written_arc_keeps_the_rules_of_its_control_and_the_stated_deviation() {
             }
         }
         // Most sources are written as arcs. Those of a few units of the last decimal become lines.
-        let has_arcs = dialect.curves.arcs != Arcs::AsLines;
-        assert!(!has_arcs || 2 * n_arcs >= n_sources, "{} {n_arcs} {n_sources}", dialect.name);
+        assert!(2 * n_arcs >= n_sources, "{} {n_arcs} {n_sources}", dialect.name);
     }
 }
 

@@ -67,11 +67,11 @@ fn no_optional_member_of_an_answer_may_be_null() {
 }
 
 #[test]
-fn a_sent_schema_differs_from_that_of_answers_by_null_alone() {
+fn a_schema_of_requests_differs_from_that_of_answers_by_null_alone() {
     /// A schema without `null`, and with the names of answers.
     fn bare(value: &Value) -> Value {
         match value {
-            Value::String(text) => text.replace("/schemas/Sent", "/schemas/").into(),
+            Value::String(text) => text.replace("/schemas/Given", "/schemas/").into(),
             Value::Array(items) => {
                 items.iter().filter(|item| **item != "null" && item["type"] != "null").map(bare).collect()
             }
@@ -100,7 +100,7 @@ fn a_sent_schema_differs_from_that_of_answers_by_null_alone() {
     let (sent, answered) = (reached(&document, "requestBody"), reached(&document, "responses"));
     let mut n_apart = 0;
     for (name, schema) in schemas {
-        let Some(of_answers) = name.strip_prefix("Sent").and_then(|name| schemas.get(name)) else { continue };
+        let Some(of_answers) = name.strip_prefix("Given").and_then(|name| schemas.get(name)) else { continue };
         n_apart += 1;
         assert_ne!(schema, of_answers, "{name} is superfluous");
         assert_eq!(bare(schema), bare(of_answers), "{name}");
@@ -116,7 +116,7 @@ fn a_sent_schema_differs_from_that_of_answers_by_null_alone() {
 fn every_optional_member_of_a_request_may_be_null() {
     let document = parsed();
     let schemas = &document["components"]["schemas"];
-    for name in ["MillRequest", "InterpolateRequest", "Wires", "Cutting", "PocketRequest", "SentLineMove"] {
+    for name in ["MillRequest", "InterpolateRequest", "Wires", "Cutting", "PocketRequest", "GivenLineMove"] {
         let required = schemas[name]["required"].as_array().cloned().unwrap_or_default();
         let properties = schemas[name]["properties"].as_object().expect("an object");
         for (member, schema) in
@@ -125,5 +125,5 @@ fn every_optional_member_of_a_request_may_be_null() {
             assert!(allows_null(schema), "{name}.{member} must not be null");
         }
     }
-    assert!(allows_null(&schemas["SentMetaTexts"]["additionalProperties"]));
+    assert!(allows_null(&schemas["GivenMetaTexts"]["additionalProperties"]));
 }

@@ -5,14 +5,14 @@
 //! # Method
 //! Each type is defined once, in Rust. Schemas that only requests or only answers reach change in place. Of a
 //! schema that both reach, and that differs, answers keep the name, and requests get a copy with the name
-//! `Sent` in front: `SentToolpath` beside `Toolpath`. A schema also differs where it refers to one that does.
+//! `Given` in front: `GivenToolpath` beside `Toolpath`. A schema also differs where it refers to one that does.
 
 use std::collections::BTreeSet;
 
 use serde_json::{Map, Value, json};
 
 /// The beginning of the names of schemas that only requests use.
-const SENT: &str = "Sent";
+const GIVEN: &str = "Given";
 
 /// The place of all schemas in the contract.
 const SCHEMAS: &str = "#/components/schemas/";
@@ -34,7 +34,7 @@ pub fn tell_apart(document: &mut Value) {
     }
     let mut all = answers;
     for (name, schema) in requests {
-        all.insert(if apart.contains(&name) { format!("{SENT}{name}") } else { name }, schema);
+        all.insert(if apart.contains(&name) { format!("{GIVEN}{name}") } else { name }, schema);
     }
     document["components"]["schemas"] = all.into();
 }
@@ -115,7 +115,7 @@ fn rename(value: &mut Value, names: &BTreeSet<String>) {
     match value {
         Value::String(place) => {
             if let Some(name) = place.strip_prefix(SCHEMAS).filter(|name| names.contains(*name)) {
-                *place = format!("{SCHEMAS}{SENT}{name}");
+                *place = format!("{SCHEMAS}{GIVEN}{name}");
             }
         }
         Value::Object(members) => members.values_mut().for_each(|value| rename(value, names)),

@@ -8,8 +8,8 @@
 //! 3. `write` writes the blocks as lines of text, between the first and the last lines that the dialect
 //!    prescribes.
 //! 4. `check` reads the text back with [`read`]. It compares each motion and each dwell of the text with the
-//!    block from which it was written, and tool, spindle, coolant, offsets and moves to the machine's end of Z
-//!    with the job.
+//!    block from which it was written, and tool, spindle, coolant, offsets and moves to the machine's end of
+//!    Z with the job.
 //!
 //! [`rewrite`] is separate: it shortens programs of any origin.
 //!

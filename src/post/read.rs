@@ -1,8 +1,8 @@
 //! Reads programs of the kind that this crate writes, in the way in which a control reads them.
 //!
 //! The reader exists to check the writer. So the two share no code and no words: of the dialect, a reader
-//! takes the syntax, limits of numbers and lines, the rules for arcs, and the steps of block numbers. Each syntax has a reader of
-//! its own.
+//! takes the syntax, limits of numbers and lines, the rules for arcs, and the steps of block numbers. Each
+//! syntax has a reader of its own.
 //!
 //! # Guarantees
 //! A word, code or combination of words that the reader does not know is an error. Nothing is

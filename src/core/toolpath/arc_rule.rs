@@ -2,11 +2,11 @@
 //! three rounded, so that they agree only nearly.
 //!
 //! # Method
-//! 1. *Radii.* The distances of the two ends from the stated centre may differ by a fixed length, or by a part
-//!    of the radius at the start where that part is longer, and by no more than a largest length.
+//! 1. *Radii.* The distances of the two ends from the stated centre may differ by a fixed length, or by a
+//!    part of the radius at the start where that part is longer, and by no more than a largest length.
 //! 2. *Centre.* Some controls compute a centre of their own: the point that is as far from the start as the
-//!    stated centre, on the perpendicular bisector of the ends, on the side of the stated centre. They run the
-//!    arc about their own centre. They refuse an arc that has no such point, and an arc on which the two
+//!    stated centre, on the perpendicular bisector of the ends, on the side of the stated centre. They run
+//!    the arc about their own centre. They refuse an arc that has no such point, and an arc on which the two
 //!    centres, seen from the start, lie in too different directions.
 //!
 //! A full circle has no chord. The control runs a full circle about the stated centre.
@@ -20,8 +20,8 @@
 
 use nalgebra::Vector2;
 
-/// The part of each limit that is written. The rest is for the rounding in the arithmetic of a control. A part
-/// nearer to 1 would let a control with another arithmetic refuse arcs at the limit.
+/// The part of each limit that is written. The rest is for the rounding in the arithmetic of a control. A
+/// part nearer to 1 would let a control with another arithmetic refuse arcs at the limit.
 const WRITTEN_PART: f64 = 0.99;
 
 /// How much shorter than half the chord the radius at the start may be, mm, so that an own centre still
@@ -41,8 +41,8 @@ pub struct ArcRule {
     pub mismatch_part: f64,
     /// The largest difference that the control accepts, however large the radius, mm.
     pub most_mismatch_mm: f64,
-    /// The angle between the stated and the own centre, seen from the start, from which on the control refuses
-    /// the arc, radians. None where the control runs the arc about the stated centre.
+    /// The angle between the stated and the own centre, seen from the start, from which on the control
+    /// refuses the arc, radians. None where the control runs the arc about the stated centre.
     pub turn: Option<f64>,
 }
 

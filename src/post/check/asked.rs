@@ -13,7 +13,8 @@ use super::first_false;
 use toolpathd_core::toolpath::cutting::Coolant;
 use toolpathd_core::toolpath::program::SafeHome;
 
-/// Largest difference of a written and a read speed of the spindle, as a part of it: the rounding of a number.
+/// Largest difference of a written and a read speed of the spindle, as a part of the speed: the rounding of a
+/// number.
 const SPEED_AGREEMENT: f64 = 1e-12;
 
 /// What a block needs of the machine.

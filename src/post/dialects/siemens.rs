@@ -89,8 +89,8 @@ pub const SIEMENS: Dialect = Dialect {
 
 /// Alarm 14040 (SINUMERIK 840D sl, *Diagnostics Manual*) stops an arc whose radii differ by more than machine
 /// data 21000 (CIRCLE_ERROR_CONST, usually 0.01 mm), for larger radii by more than the part of machine data
-/// 21010 (CIRCLE_ERROR_FACTOR, usually 0.001). The control computes a centre of its own from the radius at the
-/// start. The alarm also stops an arc whose own centre is turned by sqrt(0.001) radians or more.
+/// 21010 (CIRCLE_ERROR_FACTOR, usually 0.001). The control computes a centre of its own from the radius at
+/// the start. The alarm also stops an arc whose own centre is turned by sqrt(0.001) radians or more.
 const ARC_RULE: ArcRule = ArcRule {
     mismatch_mm: 0.01,
     mismatch_part: 0.001,

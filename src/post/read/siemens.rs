@@ -63,7 +63,8 @@ pub struct Reader<'a> {
     modal: Modal<f64, FeedRate>,
     /// The cutting edge, 0 without length offset.
     edge: u32,
-    /// Whether the edge was selected in the plane XY: the length of a tool counts along the normal of the plane.
+    /// Whether the edge was selected in the plane XY: the length of a tool counts along the normal of the
+    /// plane.
     is_edge_along_z: bool,
     /// ORIWKS has been stated. Without it, machine data decide in which frame vectors count.
     is_in_workpiece: bool,

@@ -103,8 +103,8 @@ fn is_comment(line: &str) -> bool {
     text.starts_with(['(', ';'])
 }
 
-/// The corruptions of a written program that change something and that its check does not find. `tried` counts
-/// all corruptions.
+/// The corruptions of a written program that change something and that its check does not find. `tried`
+/// counts all corruptions.
 fn survivors(toolpath: &Toolpath, job: &ProgramJob, tried: &mut usize) -> Vec<String> {
     let budget = Budget::unlimited();
     let grid = Grid::new(job.program.resolution);

@@ -100,7 +100,9 @@ fn a_schema_of_requests_differs_from_that_of_answers_by_null_alone() {
     let (sent, answered) = (reached(&document, "requestBody"), reached(&document, "responses"));
     let mut n_apart = 0;
     for (name, schema) in schemas {
-        let Some(of_answers) = name.strip_prefix("Given").and_then(|name| schemas.get(name)) else { continue };
+        let Some(of_answers) = name.strip_prefix("Given").and_then(|name| schemas.get(name)) else {
+            continue;
+        };
         n_apart += 1;
         assert_ne!(schema, of_answers, "{name} is superfluous");
         assert_eq!(bare(schema), bare(of_answers), "{name}");

@@ -10,8 +10,8 @@ const TOOL_CHANGE: i32 = 60;
 const NO_LENGTH_OFFSET: i32 = 490;
 
 impl Reader {
-    /// Notes what a block asks of the machine besides motion. Where the plane is another one than XY, a length
-    /// offset does not count along Z on every control.
+    /// Notes what a block asks of the machine besides motion. Where the plane is another one than XY, a
+    /// length offset does not count along Z on every control.
     pub(super) fn ask(&mut self, words: &Words) {
         let (state, Words { g, m, .. }) = (&mut self.state, words);
         let number = |letter| words.get(letter).and_then(count);

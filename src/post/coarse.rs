@@ -11,7 +11,7 @@ use toolpathd_core::toolpath::program::Units;
 /// People set the override of a control in steps of 5 % or 10 %, so nobody sees 1 %.
 pub const CLOSE: f64 = 0.01;
 
-/// Feeds that are written more than [`CLOSE`] too slow.
+/// Feeds that are written more than 1 % too slow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoarseFeeds {
     pub moves: usize,

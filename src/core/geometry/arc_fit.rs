@@ -23,9 +23,12 @@
 //!   of it. They do so only if the chain then has fewer elements or fewer kinks.
 //! * With [`Method::Optimal`] and [`Continuity::Position`], no chain whose elements meet on points has fewer
 //!   elements than the result, if its arcs are no larger than the largest radius
-//!   ([`Fit::largest_radius_mm`]). There are three exceptions: the input has more than [`WINDOW`] points, the
-//!   search was given up ([`Fit::effort`]), or the search missed an arc that would fit, because it tries only
-//!   some of the arcs between two points.
+//!   ([`Fit::largest_radius_mm`]). [`Fitted::not_proved`] names where that is not proved. One gap has no
+//!   name: the search may miss an arc that would fit, because it tries only some of the arcs between two
+//!   points.
+//! * With [`Joints::Free`], places beside the points are tried, and the fewest elements over all places are
+//!   not proved. Up to 100 points, there are no more elements than with
+//!   [`Continuity::Tangent`].
 //! * Two points make a line. If the last point equals the first ([`Fit::is_closed`]), one full circle is
 //!   tried first. An arc that is not a full circle turns by at most 350 degrees.
 //!
@@ -36,31 +39,34 @@
 //! # Reference
 //! S. Y. Ju, "CL-Cartesian Machining along Approximated Circular Arcs", sections 4 and 5, eq. 4.
 
+mod best;
 mod biarc;
 mod bounds;
 mod candidate;
 mod chord;
 mod chord_frame;
 mod corners;
+mod free_joints;
 mod full_circle;
 mod greedy;
 mod joints;
+mod mean_places;
 mod optimal;
 mod space;
 mod stabbing_bound;
 mod tangent;
 mod turns;
+mod windows;
 
 use nalgebra::{Point2, Vector2};
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::segment::Segment;
-use bounds::Bounds;
-use optimal::{Node, Outcome};
+use optimal::Node;
 
 pub use candidate::Points;
-use candidate::{PointRange, Rule, Witnesses};
-pub use space::{FitError, FittedCurve, fit_in_space};
+use candidate::{PointRange, Rule};
+pub use space::{FitError, FittedCurve, FittedCurves, fit_in_space};
 
 /// The least height of an arc above its chord, mm. A flatter arc becomes a line if the line keeps the
 /// tolerance. Some controls run a full circle if rounding removes the height. Smooth chains do not keep this
@@ -76,13 +82,6 @@ pub const LARGEST_RADIUS_MM: f64 = 1e6;
 /// quarters of a window are kept, and the next window begins where they end.
 pub const WINDOW: usize = 10_000;
 
-/// Elements may meet beside the points only if there are at least this many points for each element. With
-/// fewer points an element follows the errors of its points wherever elements meet.
-const POINTS_FOR_FREE_JOINTS: usize = 8;
-
-/// Nodes on each side of a point, when elements may meet beside the points.
-const NODES_BESIDE: i32 = 6;
-
 /// Search budget: evaluations for each point, unless the request sets another. A second takes some hundred
 /// million evaluations. `EFFORT_IN_SPACE` replaces it for points in space, where the closed form excludes
 /// little. `MOST_LOOKS_IN_ALL` bounds the evaluations of all windows together.
@@ -94,9 +93,6 @@ const MOST_LOOKS_IN_ALL: usize = 1_000_000_000;
 /// one part in `PART_FOR_BOUNDS` of it.
 const LOOKS_FOR_BOUNDS: usize = 2000;
 const PART_FOR_BOUNDS: usize = 3;
-
-/// Nodes kept for a second search, after a search over all nodes exceeded its budget.
-const THINNED: usize = 1_500;
 
 /// One element. Its end stands for the point with index `end`, and it starts where the element before it
 /// ends.
@@ -123,6 +119,15 @@ impl Element {
         match self.shape {
             Shape::Segment(segment) => segment.end(),
             Shape::FullCircle { at, .. } => at,
+        }
+    }
+
+    /// The radius of an arc, mm; 0 for a line.
+    fn radius(&self) -> f64 {
+        match self.shape {
+            Shape::Segment(Segment::Arc(arc)) => arc.radius(),
+            Shape::Segment(Segment::Line { .. }) => 0.0,
+            Shape::FullCircle { at, center, .. } => (at - center).norm(),
         }
     }
 
@@ -241,6 +246,22 @@ impl Fit {
 pub struct Fitted {
     pub start: Vector2<f64>,
     pub elements: Vec<Element>,
+    /// `None` where it is proved, and where the method proves nothing: [`Method::Greedy`],
+    /// [`Method::Biarc`], [`Continuity::Tangent`].
+    pub not_proved: Option<NotProved>,
+}
+
+/// Why it is not proved that no chain whose elements meet on points has fewer elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = FewestNotProved))]
+pub enum NotProved {
+    /// The points were fitted in several windows.
+    Windows,
+    /// A search was given up.
+    SearchEnded,
+    /// Not all points have the same x, the same y or the same z.
+    InSpace,
 }
 
 /// Fits elements to at least two points. Each point must differ from the one before it, in the plane or in
@@ -277,48 +298,31 @@ pub fn fit(points: Points, request: &Fit, budget: &Budget) -> Result<Fitted, Sto
         return Ok(fitted);
     }
     if request.method == Method::Biarc {
-        return Ok(Fitted { start: flat[0], elements: biarc::elements(flat, request.is_closed) });
+        let elements = biarc::elements(flat, request.is_closed);
+        return Ok(Fitted { start: flat[0], elements, not_proved: None });
     }
-    let nodes = windowed(points, request, budget)?;
-    if request.continuity == Continuity::Tangent && request.shapes == Shapes::ArcsAndLines {
+    let (nodes, not_proved) = windows::nodes(points, request, budget)?;
+    let chain = || Fitted { not_proved, ..shaped(points, &nodes, &rule) };
+    if request.shapes == Shapes::LinesOnly {
+        return Ok(chain());
+    }
+    if request.continuity == Continuity::Tangent {
         return tangent::chain(points, &nodes, request, budget);
     }
-    Ok(shaped(points, &nodes, &rule))
-}
-
-/// The nodes at which elements meet, found window by window.
-fn windowed(points: Points, request: &Fit, budget: &Budget) -> Result<Vec<Node>, Stopped> {
-    let flat = points.flat;
-    let mut nodes: Vec<Node> = Vec::new();
-    while nodes.last().is_none_or(|node| node.index + 1 < flat.len()) {
-        let begin = nodes.last().map_or(0, |node| node.index);
-        let end = flat.len().min(begin + WINDOW);
-        let window = Points {
-            flat: &flat[begin..end],
-            heights: if points.heights.is_empty() { &[] } else { &points.heights[begin..end] },
-        };
-        let mut found = joined(window, nodes.last().map(|node| node.at), flat.len(), request, budget)?;
-        if end < flat.len() {
-            let standing = found.iter().rposition(|node| node.index <= WINDOW / 4 * 3).unwrap_or(0).max(1);
-            found.truncate(standing + 1);
+    let count = nodes.len() - 1;
+    let is_compared = request.method == Method::Optimal
+        && request.effort > 0
+        && request.joints == Joints::Free
+        && (2..flat.len()).contains(&count)
+        && flat.len() <= free_joints::FEW_POINTS;
+    if is_compared {
+        let smooth = tangent::chain(points, &nodes, request, budget)?;
+        let is_allowed = |element: &Element| element.radius() <= rule.largest_radius_mm;
+        if smooth.elements.len() < count && smooth.elements.iter().all(is_allowed) {
+            return Ok(Fitted { not_proved, ..smooth });
         }
-        let fresh = usize::from(!nodes.is_empty());
-        let mut found = found[fresh..].iter().map(|node| Node { index: begin + node.index, ..*node });
-        // The last element kept from the window before ended at the border; it may reach on to the first node
-        // of this window.
-        if let [.., before, _] = nodes[..]
-            && let Some(next) = found.next()
-        {
-            let span =
-                PointRange { points, first: before.index, last: next.index, from: before.at, to: next.at };
-            if span.find(&request.rule(), &mut Witnesses::default()).is_some() {
-                nodes.pop();
-            }
-            nodes.push(next);
-        }
-        nodes.extend(found);
     }
-    Ok(nodes)
+    Ok(chain())
 }
 
 /// The best element between each pair of nodes.
@@ -327,7 +331,7 @@ fn shaped(points: Points, nodes: &[Node], rule: &Rule) -> Fitted {
     for pair in nodes.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let span = PointRange { points, first: from.index, last: to.index, from: from.at, to: to.at };
-        match span.best(rule) {
+        match best::best_bulge(&span, rule) {
             Some(bulge) => elements.push(Element::bulging(to.index, [from.at, to.at], bulge)),
             // The search found an element over this span. Should rounding prevent that now, lines from point
             // to point still keep the tolerance.
@@ -342,58 +346,7 @@ fn shaped(points: Points, nodes: &[Node], rule: &Rule) -> Fitted {
             }
         }
     }
-    Fitted { start: nodes[0].at, elements }
-}
-
-/// The nodes at which the elements of one window meet, from its first point or from `start` near it. All
-/// windows together have `n_points` points.
-fn joined(
-    points: Points,
-    start: Option<Vector2<f64>>,
-    n_points: usize,
-    request: &Fit,
-    budget: &Budget,
-) -> Result<Vec<Node>, Stopped> {
-    let (flat, rule) = (points.flat, request.rule());
-    let on =
-        |index: usize| Node { index, at: if index == 0 { start.unwrap_or(flat[0]) } else { flat[index] } };
-    let one_by_one = if request.method == Method::Greedy { greedy::ONE_BY_ONE } else { greedy::FAST };
-    let grown = greedy::joints(points, on(0).at, &rule, one_by_one, budget)?;
-    let greedy: Vec<Node> = grown.into_iter().map(on).collect();
-    if request.method == Method::Greedy || request.effort == 0 || greedy.len() == 2 {
-        return Ok(greedy);
-    }
-    let is_on_points = on(0).at == flat[0];
-    let most = looks(points, n_points, request);
-    let bounds = if is_on_points {
-        Bounds::on_points(points, &rule, for_bounds(most, flat.len()), budget)?
-    } else {
-        Bounds::unknown(flat.len())
-    };
-    let (known, n) = (greedy.len() - 1, flat.len());
-    if bounds.left[0] == known {
-        return Ok(greedy);
-    }
-    let mut all: Vec<Node> = (0..n).map(on).collect();
-    let mut outcome = optimal::fewest(points, &all, &bounds, &rule, known, most, budget)?;
-    if outcome == Outcome::GivenUp {
-        all.retain(|node| node.index.is_multiple_of(1 + n / THINNED) || node.index + 1 == n);
-        outcome = optimal::fewest(points, &all, &bounds, &rule, known, most, budget)?;
-    }
-    let Outcome::Fewer(best) = outcome else { return Ok(greedy) };
-    // The search beat the greedy chain: the points have errors of their own.
-    let count = best.len() - 1;
-    let is_free = request.joints == Joints::Free && points.heights.is_empty();
-    if is_free && n >= POINTS_FOR_FREE_JOINTS * count {
-        let pinned = start.map_or(request.is_closed.then_some(flat[0]), Some);
-        let nodes = joints::nodes(flat, pinned, request, (count, NODES_BESIDE));
-        let unknown = Bounds::unknown(n);
-        if let Outcome::Fewer(fewer) = optimal::fewest(points, &nodes, &unknown, &rule, count, most, budget)?
-        {
-            return Ok(fewer);
-        }
-    }
-    Ok(best)
+    Fitted { start: nodes[0].at, elements, not_proved: None }
 }
 
 /// Evaluations after which the search over `points` is given up. All windows together have `n_points` points.
@@ -409,9 +362,10 @@ fn for_bounds(most: usize, n: usize) -> usize {
 
 fn full_turn(flat: &[Vector2<f64>], rule: &Rule) -> Option<Fitted> {
     let turn = full_circle::full_turn(flat, rule).filter(|turn| turn.radius <= rule.largest_radius_mm)?;
-    let start = turn.center + (flat[0] - turn.center).normalize() * turn.radius;
+    let start = full_circle::Circle { center: turn.center, radius: turn.radius }.nearest_place(flat[0]);
     let shape = Shape::FullCircle { at: start.into(), center: turn.center.into(), is_ccw: turn.is_ccw };
-    Some(Fitted { start, elements: vec![Element { end: flat.len() - 1, shape }] })
+    let elements = vec![Element { end: flat.len() - 1, shape }];
+    Some(Fitted { start, elements, not_proved: None })
 }
 
 #[cfg(test)]

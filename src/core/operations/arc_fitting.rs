@@ -32,7 +32,9 @@ mod large_arcs;
 use nalgebra::Point3;
 
 use crate::budget::{Budget, Stopped};
-use crate::geometry::arc_fit::{Fit, FitError, FittedCurve, Measure, Method, fit_in_space};
+use crate::geometry::arc_fit::{
+    Continuity, Fit, FitError, FittedCurve, Measure, Method, NotProved, fit_in_space,
+};
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::following;
 use crate::geometry::plane::Plane;
@@ -95,6 +97,13 @@ pub struct Report {
     pub n_arcs: usize,
     /// Number of lines.
     pub n_lines: usize,
+    /// Why it is not proved that no chain whose elements meet on points has fewer elements. `windows`: there
+    /// are more than 10,000 points, and up to 10,000 are searched at once. `search_ended`: the search was too
+    /// long and ended, or rounding replaced an element. `in_space`: not all points have the same x, the same
+    /// y or the same z. Absent where it is proved, and with `method: greedy`, `method: biarc` and
+    /// `continuity: tangent`, which prove nothing.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub fewest_not_proved: Option<NotProved>,
     /// Largest distance of the points from the elements, in mm. With `measure: polyline` the largest distance
     /// between the elements and the lines between the points, measured from each to the other.
     pub deviation_max_mm: f64,
@@ -195,7 +204,8 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
     budget.progress("fit", 0, 1);
     let largest_radius_mm = job.fit.largest_radius_mm.min(job.curves.largest_radius_mm);
     let fit = Fit { largest_radius_mm, ..job.fit };
-    let mut pieces = fit_in_space(&points, job.plane, &fit, budget)?;
+    let mut fitted = fit_in_space(&points, job.plane, &fit, budget)?;
+    let mut pieces = fitted.curves;
     budget.progress("measure", 0, 1);
     let mut figures = measured(&pieces, &points, job, budget)?;
     if job.fit.method != Method::Biarc {
@@ -204,13 +214,16 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
             let rounding =
                 (ROUNDING * fit.tolerance_mm + ROUNDING_MM).min(LARGEST_ROUNDING * fit.tolerance_mm);
             let closer = Fit { tolerance_mm: fit.tolerance_mm - rounding, ..fit };
-            pieces = fit_in_space(&points, job.plane, &closer, budget)?;
+            fitted = fit_in_space(&points, job.plane, &closer, budget)?;
+            pieces = fitted.curves;
             figures = measured(&pieces, &points, job, budget)?;
         }
         // Lines replace the curves that exceed the tolerance; if a curve still exceeds it, lines replace all
         // curves.
         for is_far in [|piece: bool| piece, |_| true] {
             if figures.is_far.contains(&true) {
+                fitted.not_proved = Some(NotProved::SearchEnded)
+                    .filter(|_| fit.method == Method::Optimal && fit.continuity == Continuity::Position);
                 pieces = as_lines(&pieces, &points, figures.is_far.iter().map(|piece| is_far(*piece)));
                 figures = measured(&pieces, &points, job, budget)?;
             }
@@ -224,6 +237,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         n_points: job.points.len(),
         n_arcs: curves.iter().filter(|curve| matches!(curve, Curve::Arc(_))).count(),
         n_lines: curves.iter().filter(|curve| matches!(curve, Curve::Line(_))).count(),
+        fewest_not_proved: fitted.not_proved,
         deviation_max_mm: figures.deviation_mm,
         deviation_written_max_mm: figures.written_mm,
         kink_max_deg: kinks.iter().copied().fold(0.0, f64::max),

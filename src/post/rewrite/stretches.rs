@@ -117,7 +117,7 @@ impl Fitting<'_> {
     ) -> Result<bool, Stopped> {
         let request = Fit { tolerance_mm, ..*self.fit };
         let curves = match fit_in_space(&points[range.start..=range.end], None, &request, self.budget) {
-            Ok(curves) => curves,
+            Ok(fitted) => fitted.curves,
             Err(FitError::Stopped(stopped)) => return Err(stopped),
             Err(_) => return Ok(false),
         };

@@ -130,9 +130,9 @@ fn random_jobs_do_not_fail_and_deviate_no_more_than_they_state() {
     }
 }
 
-fn fit(points: &[[f64; 3]], tolerance_mm: f64, measure: Measure, continuity: Continuity) -> f64 {
-    let mut job = Job::new(points.iter().copied().map(Point3::from).collect(), tolerance_mm);
-    job.fit = Fit { measure, continuity, ..job.fit };
+fn fit(points: &[[f64; 3]], request: Fit) -> f64 {
+    let mut job = Job::new(points.iter().copied().map(Point3::from).collect(), request.tolerance_mm);
+    job.fit = request;
     let plan = plan(&job, &Budget::unlimited()).expect("a plan");
     judge(&job, &plan);
     plan.report.deviation_max_mm
@@ -141,12 +141,17 @@ fn fit(points: &[[f64; 3]], tolerance_mm: f64, measure: Measure, continuity: Con
 /// Inputs whose deviation was once stated too small: at an end, and where points in space go back.
 #[test]
 fn the_stated_deviation_covers_the_ends_and_points_that_go_back() {
-    let (tangent, polyline) = (Continuity::Tangent, Measure::Polyline);
+    let smooth = |tolerance_mm: f64| Fit {
+        method: Method::Greedy,
+        measure: Measure::Polyline,
+        continuity: Continuity::Tangent,
+        ..Fit::within(tolerance_mm)
+    };
     let bow =
         [[0.36, -1.97, 0.0], [1.61, -1.19, 0.0], [1.99, 0.22, 0.0], [1.3, 1.52, 0.0], [-0.08, 2.0, 0.0]];
-    assert!(fit(&bow, 0.0857, polyline, tangent) >= 0.0831);
+    assert!(fit(&bow, smooth(0.0857)) >= 0.0831);
     let hook = [[-1.0, 0.0, 0.0], [-2.0, -1.0, 0.0], [-3.0, -1.0, 0.0], [2.0, 3.0, 0.0], [3.0, 3.0, 0.0]];
-    assert!(fit(&hook, 1.9, polyline, tangent) >= 1.8);
+    assert!(fit(&hook, smooth(1.9)) >= 1.8);
     let back = [[-4.1, -48.2, 0.1], [-1.0, -51.4, -0.6], [-2.3, -48.1, -0.3], [-1.5, -51.8, -0.2]];
-    assert!(fit(&back, 1.9, Measure::Points, Continuity::Position) >= 1.83);
+    assert!(fit(&back, Fit::within(1.9)) >= 1.83);
 }

@@ -35,7 +35,7 @@ fn count(points: &[Vector2<f64>], request: &Fit) -> usize {
 }
 
 fn in_space(points: &[Point3<f64>], request: &Fit) -> Vec<FittedCurve> {
-    fit_in_space(points, None, request, &Budget::unlimited()).unwrap()
+    fit_in_space(points, None, request, &Budget::unlimited()).unwrap().curves
 }
 
 /// Fails unless the curves form one chain from the first point to the last and pass all points in order

@@ -1,5 +1,4 @@
-//! Decides whether one element can replace a sequence of points between two given ends, and finds the best
-//! such element.
+//! Decides whether one element can replace a sequence of points between two given ends.
 //!
 //! # Method
 //! The chord is the straight line from one end to the other.
@@ -12,8 +11,7 @@
 //!    space.
 //!    At last, an arc from each range is tried in which the lines between the points turn equally far about
 //!    the arc's centre (`turns`).
-//! 3. The best arc is as far from the farthest point on its left as from the farthest point on its right. If
-//!    this arc does not fit, the result is the element of step 2.
+//! 3. The best of the arcs that fit is chosen (`best`).
 //!
 //! Step 2 tries only some of the arcs. So an element that fits may exist although none is found.
 
@@ -21,9 +19,8 @@ use nalgebra::Vector2;
 
 use super::chord::{Bulges, Chord, LARGEST_BULGE};
 use super::chord_frame::{ChordArc, ChordFrame};
-use super::{FLATTEST_MM, Measure, Shapes, turns};
+use super::{Measure, Shapes, turns};
 use crate::geometry::segment::center;
-use crate::geometry::solve;
 
 /// Arcs with a smaller radius, in tolerances, are refused for polylines: for such arcs the checks prove
 /// nothing about the lines between the points.
@@ -46,7 +43,7 @@ pub struct Rule {
 
 impl Rule {
     /// Whether the lines between the points limit arcs more than the points do.
-    fn counts_lines(&self) -> bool {
+    pub fn counts_lines(&self) -> bool {
         self.measure == Measure::Polyline && self.shapes == Shapes::ArcsAndLines
     }
 }
@@ -93,7 +90,12 @@ impl<'a> PointRange<'a> {
         Self { points, first, last, from: points.flat[first], to: points.flat[last] }
     }
 
-    fn inner(&self) -> &'a [Vector2<f64>] {
+    /// Whether the element starts and ends on points.
+    pub fn is_on_points(&self) -> bool {
+        [self.from, self.to] == [self.first, self.last].map(|k| self.points.flat[k])
+    }
+
+    pub fn inner(&self) -> &'a [Vector2<f64>] {
         &self.points.flat[self.first + 1..self.last]
     }
 
@@ -162,7 +164,7 @@ impl<'a> PointRange<'a> {
 
     /// The lines between neighbouring points, from `first` to `last`. The element itself may start and end
     /// beside these points.
-    fn lines(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> + 'a {
+    pub fn lines(&self) -> impl Iterator<Item = [Vector2<f64>; 2]> + 'a {
         self.points.flat[self.first..=self.last].windows(2).map(|pair| [pair[0], pair[1]])
     }
 
@@ -302,7 +304,9 @@ impl<'a> PointRange<'a> {
     /// Whether every line between the points stays within `tolerance` mm of the arc on its inside.
     fn keeps_lines(&self, track: &ChordFrame, arc: &ChordArc, tolerance: f64, chord: &Chord) -> bool {
         let center = center(self.from, self.to, arc.bulge);
-        let least = self.inner().iter().map(|p| (p - center).norm_squared()).fold(f64::INFINITY, f64::min);
+        // The element may start and end beside its first and its last point: these count, too.
+        let passed = &self.points.flat[self.first..=self.last];
+        let least = passed.iter().map(|p| (p - center).norm_squared()).fold(f64::INFINITY, f64::min);
         let longest = self.lines().map(|[a, b]| (b - a).norm_squared()).fold(0.0, f64::max);
         // The worst case: the longest line, with both ends on the innermost circle.
         let inside = arc.radius.powi(2).min(least) - 0.25 * longest;
@@ -370,51 +374,5 @@ impl<'a> PointRange<'a> {
             }
         }
         None
-    }
-
-    /// The bulge with the least largest deviation, 0 for a line; `None` if no element keeps the rule. An arc
-    /// flatter than [`FLATTEST_MM`] becomes a line if a line keeps the rule.
-    pub fn best(&self, rule: &Rule) -> Option<f64> {
-        let found = self.find(rule, &mut Witnesses::default())?;
-        if self.last == self.first + 1 || rule.shapes == Shapes::LinesOnly {
-            return Some(found);
-        }
-        let Some((chord, part)) = self.part_of(found, rule) else { return Some(found) };
-        let (flattest, best) = (chord.flattest(rule.largest_radius_mm), self.balanced(&chord, part));
-        let is_flat = best.abs() < flattest || best.abs() * chord.half < FLATTEST_MM;
-        if is_flat && found == 0.0 {
-            return Some(0.0);
-        }
-        let is_kept = best.abs() >= flattest && self.keeps(best, rule, &chord, &mut Witnesses::default());
-        Some(if is_kept { best } else { found })
-    }
-
-    /// The chord, and the interval of valid bulges about one that keeps the rule. `None` if rounding has put
-    /// this bulge outside every interval.
-    fn part_of(&self, found: f64, rule: &Rule) -> Option<(Chord, [f64; 2])> {
-        let bulges = self.bulges(rule, &mut Witnesses::default())?;
-        let part = bulges.parts().find(|part| (part[0]..=part[1]).contains(&found))?;
-        Some((Chord::new(self.from, self.to)?, part))
-    }
-
-    /// The bulge in `part` that leaves the farthest points to its left and to its right equally far. It is a
-    /// root, because every signed distance falls as the bulge grows. The paper asks for the arc with the
-    /// least largest error, which has this property.
-    fn balanced(&self, chord: &Chord, part: [f64; 2]) -> f64 {
-        let l = chord.half;
-        let unbalance = |b: f64| {
-            let (mut least, mut largest) = (0.0f64, 0.0f64);
-            for p in self.inner() {
-                let [x, y] = chord.local(*p).into();
-                // The signed distance |X - C| - r as a quotient, both terms times 2 |b|, so that it also
-                // holds for flat arcs.
-                let power = 2.0 * b * (x * x + y * y - l * l) + 2.0 * y * l * (1.0 - b * b);
-                let distances = l * (1.0 + b * b) + (2.0 * b * x).hypot(2.0 * b * y + l * (1.0 - b * b));
-                least = least.min(power / distances);
-                largest = largest.max(power / distances);
-            }
-            least + largest
-        };
-        solve::falling_root(part, unbalance)
     }
 }

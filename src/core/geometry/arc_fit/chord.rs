@@ -104,6 +104,18 @@ impl Chord {
         self.half / (r + (r * r - self.half * self.half).max(0.0).sqrt())
     }
 
+    /// The distance of a point from the circle of an arc, or from the line through the chord, mm. It is
+    /// positive to the left of them, as the chord runs, and falls as the bulge grows. `p` is in the chord's
+    /// frame.
+    pub fn signed_distance(&self, bulge: f64, p: Vector2<f64>) -> f64 {
+        let ([x, y], b, l) = (<[f64; 2]>::from(p), bulge, self.half);
+        // The signed distance |X - C| - r as a quotient, both terms times 2 |b|, so that it also holds for
+        // flat arcs.
+        let power = 2.0 * b * (x * x + y * y - l * l) + 2.0 * y * l * (1.0 - b * b);
+        let distances = l * (1.0 + b * b) + (2.0 * b * x).hypot(2.0 * b * y + l * (1.0 - b * b));
+        power / distances
+    }
+
     /// Removes from `bulges` the arcs that do not pass within `tolerance` mm of `p`.
     ///
     /// Let L be half the length of the chord, e the tolerance, (x, y) the point in the chord's frame, and dP

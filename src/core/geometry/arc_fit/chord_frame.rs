@@ -201,7 +201,11 @@ impl ChordArc {
 
 /// The distance of `p` from the line between two points, ends included, mm; NaN if the two points coincide.
 pub fn from_line(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> f64 {
-    let (along, to_p) = (b - a, p - a);
-    let foot = (to_p.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-    (to_p - along * foot).norm()
+    (p - nearest_on_line(p, a, b)).norm()
+}
+
+/// The place nearest to `p` on the line between two points, ends included; NaN if the two points coincide.
+pub fn nearest_on_line(p: Vector2<f64>, a: Vector2<f64>, b: Vector2<f64>) -> Vector2<f64> {
+    let along = b - a;
+    a + along * ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
 }

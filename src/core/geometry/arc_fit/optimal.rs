@@ -18,6 +18,7 @@ use nalgebra::Vector2;
 
 use super::bounds::Bounds;
 use super::candidate::{PointRange, Points, Rule, Witnesses};
+use super::for_bounds;
 use super::stabbing_bound::Fan;
 use crate::budget::{Budget, Stopped};
 
@@ -35,6 +36,9 @@ const PATIENCE: usize = 8;
 /// Evaluations of points that take as long as the fan takes for one point.
 const LOOKS_OF_FAN: usize = 8;
 
+/// Nodes kept for a second search, after a search over all nodes exceeded its budget.
+const THINNED: usize = 1_500;
+
 const NOWHERE: usize = usize::MAX;
 
 /// The result of a search.
@@ -46,6 +50,44 @@ pub enum Outcome {
     None,
     /// The search took more than `most` evaluations.
     GivenUp,
+}
+
+/// What a search for chains whose joints lie on points has found.
+pub struct OnPoints {
+    /// The nodes of a chain with fewer elements than the known chain.
+    pub fewer: Option<Vec<Node>>,
+    /// Whether no chain has fewer elements than this chain, or than the known chain if there is none.
+    pub is_proved: bool,
+}
+
+/// Searches for a chain with fewer elements than the known chain, with joints on points.
+pub fn fewest_on_points(
+    points: Points,
+    known: &[Node],
+    rule: &Rule,
+    most: usize,
+    budget: &Budget,
+) -> Result<OnPoints, Stopped> {
+    let (flat, n) = (points.flat, points.flat.len());
+    let bounds = if known[0].at == flat[0] {
+        Bounds::on_points(points, rule, for_bounds(most, n), budget)?
+    } else {
+        Bounds::unknown(n)
+    };
+    let count = known.len() - 1;
+    if bounds.left[0] == count {
+        return Ok(OnPoints { fewer: None, is_proved: true });
+    }
+    let mut all: Vec<Node> = flat.iter().enumerate().map(|(index, at)| Node { index, at: *at }).collect();
+    all[0] = known[0];
+    let mut outcome = fewest(points, &all, &bounds, rule, count, most, budget)?;
+    let is_proved = outcome != Outcome::GivenUp;
+    if !is_proved {
+        all.retain(|node| node.index.is_multiple_of(1 + n / THINNED) || node.index + 1 == n);
+        outcome = fewest(points, &all, &bounds, rule, count, most, budget)?;
+    }
+    let fewer = if let Outcome::Fewer(best) = outcome { Some(best) } else { None };
+    Ok(OnPoints { fewer, is_proved })
 }
 
 /// Searches for a chain of fewer than `known` elements, from a node of the first point to a node of the last

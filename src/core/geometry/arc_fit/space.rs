@@ -11,7 +11,7 @@
 
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 
-use super::{Element, Fit, Fitted, Joints, Points, Shape, fit};
+use super::{Continuity, Element, Fit, Fitted, Joints, Method, NotProved, Points, Shape, fit};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::{Arc, Curve, Direction, Line};
 use crate::geometry::plane::Plane;
@@ -28,6 +28,14 @@ const LEAST_STRETCH: usize = 4;
 pub struct FittedCurve {
     pub end: usize,
     pub curve: Curve,
+}
+
+/// The curves for all points, in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedCurves {
+    pub curves: Vec<FittedCurve>,
+    /// See [`Fitted::not_proved`].
+    pub not_proved: Option<NotProved>,
 }
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -47,7 +55,7 @@ pub fn fit_in_space(
     plane: Option<Plane>,
     request: &Fit,
     budget: &Budget,
-) -> Result<Vec<FittedCurve>, FitError> {
+) -> Result<FittedCurves, FitError> {
     let distinct: Vec<usize> = (0..points.len()).filter(|&k| k == 0 || points[k] != points[k - 1]).collect();
     if distinct.len() < 2 {
         return Err(FitError::OnePlace);
@@ -63,13 +71,16 @@ pub fn fit_in_space(
         // Rounding lets a few points of a slow climb keep their height, and so divides a helix. One stretch
         // of helices may need fewer curves.
         let helices = fit_stretches(&ends, &whole(Plane::Xy), request, budget)?;
-        if helices.len() < pieces.len() {
+        if helices.curves.len() < pieces.curves.len() {
             pieces = helices;
         }
     }
     // A point that repeats the point before it belongs to the same curve.
     let last = |end: usize| distinct.get(end + 1).map_or(points.len(), |next| *next) - 1;
-    Ok(pieces.into_iter().map(|piece| FittedCurve { end: last(piece.end), ..piece }).collect())
+    for piece in &mut pieces.curves {
+        piece.end = last(piece.end);
+    }
+    Ok(pieces)
 }
 
 fn fit_stretches(
@@ -77,20 +88,25 @@ fn fit_stretches(
     stretches: &[PlanarRun],
     request: &Fit,
     budget: &Budget,
-) -> Result<Vec<FittedCurve>, FitError> {
+) -> Result<FittedCurves, FitError> {
     // Elements of different planes meet on points.
     let request = match stretches {
         [_] => *request,
         _ => Fit { joints: Joints::OnPoints, is_closed: false, ..*request },
     };
-    let mut pieces = Vec::new();
+    let mut curves = Vec::new();
     let mut begin = 0;
+    let mut not_proved = None;
     for stretch in stretches {
         let fitted = fit_stretch(&points[begin..=stretch.end], stretch.plane, &request, budget)?;
-        pieces.extend(fitted.into_iter().map(|piece| FittedCurve { end: begin + piece.end, ..piece }));
+        not_proved = not_proved.or(fitted.not_proved);
+        curves.extend(fitted.curves.into_iter().map(|piece| FittedCurve { end: begin + piece.end, ..piece }));
         begin = stretch.end;
     }
-    Ok(pieces)
+    if stretches.len() > 1 && is_searched(&request) {
+        not_proved = Some(NotProved::InSpace);
+    }
+    Ok(FittedCurves { curves, not_proved })
 }
 
 /// A stretch: the points from the end of the stretch before up to `end`. Its arcs lie in `plane`. If it is
@@ -138,14 +154,15 @@ fn fit_stretch(
     plane: Plane,
     request: &Fit,
     budget: &Budget,
-) -> Result<Vec<FittedCurve>, FitError> {
+) -> Result<FittedCurves, FitError> {
     let local: Vec<Vector3<f64>> = points.iter().map(|p| plane.to_local(p)).collect();
     let flat: Vec<Vector2<f64>> = local.iter().map(Vector3::xy).collect();
     let is_level = local.iter().all(|p| (p.z - local[0].z).abs() <= LEVEL_MM);
     let heights: Vec<f64> = if is_level { Vec::new() } else { local.iter().map(|p| p.z).collect() };
-    let Fitted { start, elements } = fit(Points { flat: &flat, heights: &heights }, request, budget)?;
+    let Fitted { start, elements, not_proved } =
+        fit(Points { flat: &flat, heights: &heights }, request, budget)?;
     let (mut from, mut height) = (start, local[0].z);
-    let pieces = elements
+    let curves = elements
         .into_iter()
         .map(|element| {
             let at = |p: Vector2<f64>, height: f64| plane.to_workpiece(&Vector3::new(p.x, p.y, height));
@@ -167,7 +184,13 @@ fn fit_stretch(
             FittedCurve { end: element.end, curve }
         })
         .collect();
-    Ok(pieces)
+    let in_space = (!is_level && is_searched(request)).then_some(NotProved::InSpace);
+    Ok(FittedCurves { curves, not_proved: in_space.or(not_proved) })
+}
+
+/// Whether the fewest elements are searched for.
+fn is_searched(request: &Fit) -> bool {
+    request.method == Method::Optimal && request.continuity == Continuity::Position
 }
 
 /// The height at which an element ends, mm: that of its point. If a biarc's two arcs meet between two points,

@@ -305,7 +305,7 @@ impl Search<'_> {
             arrival = before;
         }
         elements.reverse();
-        Some(Fitted { start: self.nodes[arrival.node].at, elements })
+        Some(Fitted { start: self.nodes[arrival.node].at, elements, not_proved: None })
     }
 
     /// The bulge in the middle of those that continue an arrival.

@@ -1,3 +1,5 @@
+mod polygons;
+
 use nalgebra::Point3;
 use proptest::prelude::*;
 
@@ -48,7 +50,7 @@ fn kinks(fitted: &Fitted) -> Vec<(usize, f64)> {
 fn points_of_a_circle_are_one_arc_of_its_radius() {
     for (from, to) in [(0.3, 2.9), (2.9, 0.3), (1.0, 1.4), (0.0, 6.0), (6.0, 0.0)] {
         let points = circle(40.0, from, to, 200);
-        let Fitted { start, elements } = fitted(&points, &Fit::within(1e-3));
+        let Fitted { start, elements, .. } = fitted(&points, &Fit::within(1e-3));
         assert_eq!((start, elements.len()), (points[0], 1));
         let Shape::Segment(Segment::Arc(arc)) = elements[0].shape else { panic!("a line instead of an arc") };
         assert!((arc.center() - Point2::new(3.0, -7.0)).norm() < 1e-9, "{arc:?}");
@@ -179,7 +181,7 @@ fn arcs_in_different_planes_meet_on_points() {
     points.extend(
         (1..=20).map(|i| Point3::new(5.0 * angle(i).cos(), 5.0 * angle(i).sin(), f64::from(i) * 0.05)),
     );
-    let pieces = fit_in_space(&points, None, &Fit::within(1e-3), &Budget::unlimited()).unwrap();
+    let pieces = fit_in_space(&points, None, &Fit::within(1e-3), &Budget::unlimited()).unwrap().curves;
     let planes: Vec<_> = pieces
         .iter()
         .map(|piece| match piece.curve {
@@ -253,7 +255,7 @@ fn an_arc_turns_by_at_most_half_a_turn_between_two_points() {
     let points = points.map(|[x, y]| Point3::new(x, y, 1.0));
     let request = Fit { joints: Joints::OnPoints, ..Fit::within(0.0213) };
     let mut first = 0;
-    for piece in fit_in_space(&points, None, &request, &Budget::unlimited()).unwrap() {
+    for piece in fit_in_space(&points, None, &request, &Budget::unlimited()).unwrap().curves {
         assert!(from_points(&piece.curve, &points[first..=piece.end]) <= 0.0213 + 1e-9, "{piece:?}");
         first = piece.end;
     }

@@ -32,7 +32,7 @@ pub(super) fn needless_joints(
         }
         if k > 0 {
             match fit_in_space(&points[start..=piece.end], job.plane, &request, budget) {
-                Ok(curves) if curves.len() == 1 => needless += 1,
+                Ok(fitted) if fitted.curves.len() == 1 => needless += 1,
                 Err(FitError::Stopped(stopped)) => return Err(stopped),
                 Ok(_) | Err(FitError::OnePlace) => start = end,
             }

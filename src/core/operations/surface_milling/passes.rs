@@ -360,7 +360,7 @@ fn fit(
     let mut open = vec![[0, tips.len() - 1]];
     while let Some([first, last]) = open.pop() {
         let pieces = match fit_in_space(&flat[first..=last], Some(plane), &request, budget) {
-            Ok(pieces) => pieces,
+            Ok(pieces) => pieces.curves,
             Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
             Err(FitError::OnePlace) => continue,
         };

@@ -222,7 +222,7 @@ fn pass(
         ..Fit::within(fit_tolerance)
     };
     let pieces = match fit_in_space(&tips, Some(Plane::Zx), &request, budget) {
-        Ok(pieces) => pieces,
+        Ok(pieces) => pieces.curves,
         Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
         Err(FitError::OnePlace) => return Ok(None),
     };

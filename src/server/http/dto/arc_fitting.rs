@@ -39,8 +39,9 @@ pub struct FitRequest {
     /// which. A larger tolerance makes fewer elements.
     #[schema(minimum = 0.000_001, maximum = 10)]
     tolerance_mm: f64,
-    /// How elements are found. `optimal`: the fewest elements. `greedy`: each element is as long as possible.
-    /// `biarc`: two arcs through each pair of neighbouring points; `tolerance_mm` is ignored.
+    /// How elements are found. `optimal`: the fewest elements; `fewest_not_proved` in the report names where
+    /// that is not proved. `greedy`: each element is as long as possible. `biarc`: two arcs through each pair
+    /// of neighbouring points; `tolerance_mm` is ignored.
     #[serde(default)]
     #[schema(default = "optimal")]
     method: Method,
@@ -58,7 +59,9 @@ pub struct FitRequest {
     #[schema(default = "points")]
     measure: Measure,
     /// Where elements meet. `on_points`: on points of the polyline. `free`: on points, or beside points
-    /// within the tolerance where that saves elements.
+    /// within the tolerance where that saves elements. Places beside points are tried, and the fewest
+    /// elements over all places are not proved. Up to 100 points, `continuity: position` makes no more
+    /// elements than `continuity: tangent`.
     #[serde(default)]
     #[schema(default = "free")]
     joints: Joints,

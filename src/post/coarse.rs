@@ -22,8 +22,8 @@ pub struct CoarseFeeds {
     pub by_s: f64,
 }
 
-/// The feeds of `toolpath` that a program in `units` cannot state closely; `None` where there are none. Where
-/// a program states the positions of all axes, its blocks state their times instead.
+/// The feeds of `toolpath` that a program in `units` cannot state closely; `None` where there are none, and
+/// for a program of the positions of all axes, whose blocks state times in place of feeds.
 pub fn coarse_feeds(
     toolpath: &Toolpath,
     dialect: &Dialect,

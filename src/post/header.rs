@@ -182,8 +182,9 @@ fn coarse_text(coarse: &CoarseFeeds, unit: &Unit) -> String {
     let &CoarseFeeds { moves, asked_mm_per_min, written_mm_per_min, by_s } = coarse;
     let [asked, written] = [asked_mm_per_min, written_mm_per_min].map(|feed| feed / unit.mm);
     let (name, by_s) = (unit.name, rounded_up(by_s));
+    let feeds = if moves == 1 { "1 FEED IS".to_owned() } else { format!("{moves} FEEDS ARE") };
     format!(
-        "{moves} FEEDS ARE TOO SLOW FOR THE DECIMALS OF F - {asked:.6} {name} PER MIN IS WRITTEN AS {written:.4} - {by_s:.3} S LONGER"
+        "{feeds} TOO SLOW FOR THE DECIMALS OF F - {asked:.6} {name} PER MIN IS WRITTEN AS {written:.4} - {by_s:.3} S LONGER"
     )
 }
 

@@ -138,8 +138,8 @@ pub fn lower(
     Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis, delay_s, slowed })
 }
 
-/// The positions of all axes at the start and at the end of each motion, where the toolpath holds those of
-/// the rotary axes.
+/// The positions of all axes at the start and at the end of each motion; `None` unless the toolpath holds the
+/// angles of the rotary axes at all of them.
 fn stated(
     machine: Option<&Machine>,
     (start, rotary): (&Pose, Option<[f64; 2]>),

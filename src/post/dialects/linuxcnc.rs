@@ -85,7 +85,7 @@ pub const LINUXCNC: Dialect = Dialect {
 };
 
 /// The interpreter (`interp_arc.cc`) refuses a difference of the radii above both 0.0011 inch and 0.1 % of
-/// the radius, and above a hundred times that length. A machine may set another length. That is far more than
-/// what is written: see `radius_mismatch_mm`.
+/// the radius, and above a hundred times that length. A machine may set another length. Written
+/// arcs differ by far less ([`Curves::radius_mismatch_mm`]).
 const ARC_RULE: ArcRule =
     ArcRule { mismatch_mm: 0.027_94, mismatch_part: 0.001, most_mismatch_mm: 2.794, turn: None };

@@ -31,7 +31,7 @@ pub struct MachineState {
 }
 
 impl MachineState {
-    /// What is known behind lines that are not read.
+    /// What is known after a shop's own lines, which are not read: how often the tool has moved home.
     pub fn behind_own_lines(self) -> Self {
         Self { homes: self.homes, ..Self::default() }
     }

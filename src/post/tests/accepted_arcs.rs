@@ -171,7 +171,7 @@ fn every_written_arc_keeps_the_rules_of_its_control_and_the_stated_deviation() {
                     let written = written_as(dialect, &source.path(), resolution);
                     let mut cuts = cuts(dialect, &written.text);
                     if cuts.is_empty() {
-                        // Both ends are one point of the grid: the tool comes to this point and goes.
+                        // Both ends round to one point, and the program has no block for the arc.
                         let at = grid_point(&source.at(0.0), resolution);
                         cuts.push(Cut::Line { from: at, to: at });
                     }
@@ -275,7 +275,7 @@ fn a_centre_that_is_shifted_by_a_few_units_fails_the_check() {
     );
 }
 
-/// What a dialect writes at most is less than what its control accepts, so that no reader refuses it.
+/// A dialect writes radii that differ by no more than its control accepts.
 #[test]
 fn no_dialect_writes_a_difference_of_the_radii_that_its_control_refuses() {
     for dialect in DIALECTS {

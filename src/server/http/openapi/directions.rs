@@ -1,6 +1,6 @@
-//! Tells the schemas of requests from those of answers. A request may send `null` for an optional member, as
-//! the decoder reads it: the member counts as absent. An answer leaves an optional member out, and never
-//! sends `null` for it; a member of an answer that may be `null` is required.
+//! Gives requests and answers schemas of their own where they differ in `null`. A request may send `null` for
+//! an optional member, as the decoder reads it: the member counts as absent. An answer leaves an optional
+//! member out, and never sends `null` for it; a member of an answer that may be `null` is required.
 //!
 //! # Method
 //! Each type is defined once, in Rust. Schemas that only requests or only answers reach change in place. Of a

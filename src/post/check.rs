@@ -9,10 +9,10 @@ use nalgebra::Point3;
 
 use super::block::{AxisWords, Block, BlockFeed};
 use super::custom;
-use super::lower::Lowered;
 use super::posed::VECTOR_DECIMALS;
 use super::rails::{FineGrid, RailWords};
 use super::read::{Placed, Posed, PosedFeed, ROTARY, RailStep, Reader, Step, TipMode};
+use super::sequence::Part;
 use super::words::FeedWord;
 use super::write::program_number;
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError, blank, helix, smoothing};
@@ -51,48 +51,45 @@ const INVERSE_TIME_AGREEMENT: f64 = 1e-9;
 /// Largest difference of a written and a read tolerance, mm or degrees: the rounding of a product.
 const SMOOTHING_AGREEMENT: f64 = 1e-9;
 
+/// Where the tool is, as far as it is known.
+#[derive(Default)]
+struct KnownPosition {
+    at: [Option<i64>; 3],
+    /// Where the last helix was read to end, beside its point by a rounding, as long as no block has stated X
+    /// and Y.
+    helix_end: Option<[f64; 2]>,
+    /// The tool has been changed or the work offset: until all coordinates are stated, a control counts from
+    /// what it knows, and that is not compared.
+    is_lost: bool,
+}
+
 /// Reads `text` and returns the largest radius mismatch in it, mm. A shop's own lines stand at `custom`.
 ///
 /// # Errors
-/// When the text cannot be read, or its steps differ from `blocks`.
+/// When the text cannot be read, or its steps differ from the blocks of the operations.
 pub fn read_back(
     text: &str,
     custom: &[Range<usize>],
-    lowered: &Lowered,
-    job: &ProgramJob,
-    grid: &Grid,
+    parts: &[Part],
     budget: &Budget,
 ) -> Result<f64, WriteError> {
+    let Some(job) = parts.first().map(|part| &part.operation.job) else { return Ok(0.0) };
     if !custom::stand_at(text, custom, &job.program.custom) {
         return Err(WriteError::Differs { line: 0, what: "line of your own" });
     }
+    let grid = Grid::new(job.program.resolution);
     let mut steps = Reader::new(text, job.dialect, MISMATCH_LIMIT_STEPS * grid.step_mm()).passing(custom);
     steps = steps.assuming_nothing();
-    // A block that ends modes moves nothing.
-    let blocks = lowered.blocks.iter().filter(|block| !matches!(block, Block::EndPosed | Block::EndRails));
-    let mut at: [Option<i64>; 3] = [None; 3];
-    let mut helix_end: Option<[f64; 2]> = None;
+    let mut place = KnownPosition::default();
     let mut largest_mismatch: f64 = 0.0;
-    let mut line = 0;
-    for (k, block) in blocks.enumerate() {
-        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
-            budget.check()?;
+    let mut homes = 0;
+    for (k, part) in parts.iter().enumerate() {
+        if part.change.leaves() {
+            homes += asked::homes(job);
+            place = KnownPosition { is_lost: k > 0, ..KnownPosition::default() };
         }
-        let Some(placed) = steps.next() else { return Err(WriteError::Differs { line, what: "end" }) };
-        let placed = placed?;
-        line = placed.line;
-        if let Some(what) = difference(block, &lowered.rails, &mut at, &mut helix_end, &placed, job, grid) {
-            return Err(WriteError::Differs { line, what });
-        }
-        if let Some(what) = asked::difference(&steps, block, job)? {
-            return Err(WriteError::Differs { line, what });
-        }
-        if is_cut(&placed.step) && !smooths(steps.smoothing(), job) {
-            return Err(WriteError::Differs { line, what: "smoothing" });
-        }
-        if let Step::Feed { radius_mismatch_mm, .. } = placed.step {
-            largest_mismatch = largest_mismatch.max(radius_mismatch_mm);
-        }
+        let mismatch = read_operation(&mut steps, part, (&mut place, homes), &grid, budget)?;
+        largest_mismatch = largest_mismatch.max(mismatch);
     }
     let corners = blank::corners(job)?.map(|corners| corners.map(|corner| grid.point(corner)));
     let is_near = |[a, b]: [Point3<f64>; 2]| (a - b).norm() <= AGREEMENT_STEPS * grid.step_mm();
@@ -113,24 +110,62 @@ pub fn read_back(
     if steps.program() != program_number(job)? {
         return Err(WriteError::Differs { line: 0, what: "program number" });
     }
-    match asked::difference_at_end(&steps.state(), job) {
+    match asked::difference_at_end(&steps.state(), homes + asked::homes(job)) {
         Some(what) => Err(WriteError::Differs { line: 0, what }),
         None => Ok(largest_mismatch),
     }
 }
 
-/// The name of what differs between a block and the step that was read for it; `None` if they agree. `at`
-/// is where the block starts, and afterwards where the block ends. `helix_end` is where the last helix was
-/// read to end, beside its point by a rounding, as long as no block has stated X and Y.
+/// Reads the steps of one operation, and returns the largest radius mismatch in them, mm. Before them the
+/// tool has moved `homes` times to the machine's end of Z.
+fn read_operation(
+    steps: &mut Reader,
+    part: &Part,
+    (place, homes): (&mut KnownPosition, u32),
+    grid: &Grid,
+    budget: &Budget,
+) -> Result<f64, WriteError> {
+    let (job, rails) = (&part.operation.job, &part.lowered.rails);
+    // A block that ends modes moves nothing.
+    let is_read = |block: &&Block| !matches!(block, Block::EndPosed | Block::EndRails);
+    let mut largest_mismatch: f64 = 0.0;
+    for (k, block) in part.lowered.blocks.iter().filter(is_read).enumerate() {
+        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
+            budget.check()?;
+        }
+        let Some(placed) = steps.next() else {
+            return Err(WriteError::Differs { line: steps.line(), what: "end" });
+        };
+        let placed = placed?;
+        let line = placed.line;
+        if let Some(what) = difference(block, rails, place, &placed, job, grid) {
+            return Err(WriteError::Differs { line, what });
+        }
+        if let Some(what) = asked::difference(steps, block, job, homes)? {
+            return Err(WriteError::Differs { line, what });
+        }
+        if is_cut(&placed.step) && !smooths(steps.smoothing(), job) {
+            return Err(WriteError::Differs { line, what: "smoothing" });
+        }
+        if let Step::Feed { radius_mismatch_mm, .. } = placed.step {
+            largest_mismatch = largest_mismatch.max(radius_mismatch_mm);
+        }
+    }
+    Ok(largest_mismatch)
+}
+
+/// The name of what differs between a block and the step that was read for it; `None` if they agree. `place`
+/// is where the block starts, and afterwards where the block ends.
 fn difference(
     block: &Block,
     rails: &[RailWords],
-    at: &mut [Option<i64>; 3],
-    helix_end: &mut Option<[f64; 2]>,
+    place: &mut KnownPosition,
     placed: &Placed,
     job: &ProgramJob,
     grid: &Grid,
 ) -> Option<&'static str> {
+    let KnownPosition { at, helix_end, is_lost } = place;
+    let was_lost = *is_lost;
     // Coordinates before tip control are those of another point.
     let start = if matches!(block, Block::BeginTipControl { .. }) { [None; 3] } else { *at };
     match *block {
@@ -148,6 +183,7 @@ fn difference(
         | Block::EndRails
         | Block::EndPosed => {}
     }
+    *is_lost &= at.contains(&None);
     let is_near = |mm: f64, units: i64| (mm - grid.mm(units)).abs() <= AGREEMENT_STEPS * grid.step_mm();
     let left = *helix_end;
     let are_near = |read: [Option<f64>; 3], units: [Option<i64>; 3]| {
@@ -156,7 +192,8 @@ fn difference(
                 is_near(read, units) || left.is_some_and(|left| left.get(axis) == Some(&read))
             }
             (None, None) => true,
-            _ => false,
+            (Some(_), None) => was_lost,
+            (None, Some(_)) => false,
         })
     };
     *helix_end = match (*block, placed.step) {

@@ -298,6 +298,15 @@ impl Dialect {
         matches!(self.syntax, Syntax::Klartext)
     }
 
+    /// Whether a program can have several tools.
+    pub fn changes_tools(&self) -> bool {
+        match self.syntax {
+            Syntax::Iso(iso) | Syntax::Siemens(iso) => iso.start.contains(&Frame::ToolChange),
+            Syntax::Klartext => true,
+            Syntax::Deckel => false,
+        }
+    }
+
     /// Whether the name of a program stands beside its number.
     pub fn names_programs_at_their_number(&self) -> bool {
         matches!(self.syntax, Syntax::Iso(iso) | Syntax::Siemens(iso) if iso.program_number.is_some())

@@ -1,4 +1,4 @@
-//! The comments for human readers at the head of a program, before its first block.
+//! The comments for human readers at the head of a program and of each operation, before its first block.
 //!
 //! Lengths and feeds are in the units of the program. `write` replaces characters that are not allowed in a
 //! comment.
@@ -10,7 +10,7 @@ use super::dialect::Dialect;
 use super::lower::Lowered;
 use super::posed::Slowed;
 use super::words::{self, FeedWord};
-use super::{AxisOutput, FiveAxes, ProgramJob, WriteError};
+use super::{AxisOutput, FiveAxes, Operation, ProgramJob, WriteError};
 use toolpathd_core::toolpath::cutting::Coolant;
 use toolpathd_core::toolpath::measure::{Bounds, measure};
 use toolpathd_core::toolpath::motion_time::motion_time;
@@ -32,24 +32,93 @@ pub struct Remark {
     pub text: String,
 }
 
-/// Every remark about a program, in order.
+/// The remarks about each operation of a program, in order. Those about the whole program stand before those
+/// about the first operation.
 ///
 /// # Errors
 /// When a feed cannot be written.
-pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Result<Vec<Remark>, WriteError> {
+pub fn remarks(operations: &[Operation], lowered: &[Lowered]) -> Result<Vec<Vec<Remark>>, WriteError> {
+    let mut all = Vec::with_capacity(operations.len());
+    let mut times = Some(Times::default());
+    for (operation, lowered) in operations.iter().zip(lowered) {
+        let (remarks, own) = of_operation(operation, lowered)?;
+        times = times.zip(own).map(|(sum, own)| Times {
+            plain: sum.plain + own.plain,
+            with_ramps: sum.with_ramps + own.with_ramps,
+        });
+        all.push(remarks);
+    }
+    if operations.len() > 1 {
+        for (k, (remarks, operation)) in all.iter_mut().zip(operations).enumerate() {
+            let name = operation.name.map_or(String::new(), |name| format!(" - {name}"));
+            let offset = operation.job.program.work_offset;
+            let offset = offset.map_or(String::new(), |number| format!(" - WORK OFFSET G{number}"));
+            let text = format!("{} OF {}{offset}{name}", k + 1, operations.len());
+            let notes = if k == 0 { Vec::new() } else { notes(&operation.job) };
+            remarks.splice(0..0, std::iter::once(Remark { label: "OPERATION", text }).chain(notes));
+        }
+    }
+    if let ([first, ..], Some(remarks)) = (operations, all.first_mut()) {
+        remarks.splice(0..0, of_program(&first.job, operations, times));
+    }
+    Ok(all)
+}
+
+/// What stands at the head of the program: its name, notes and units, and for several operations their tools
+/// and the times of all of them.
+fn of_program(job: &ProgramJob, operations: &[Operation], times: Option<Times>) -> Vec<Remark> {
+    let unit = Unit::of(job);
+    let mut remarks = Vec::new();
+    if let Some(name) = job.program.name.as_ref().filter(|_| !job.dialect.names_programs_at_their_number()) {
+        remarks.push(Remark { label: "PROGRAM", text: name.clone() });
+    }
+    remarks.extend(notes(job));
+    let is_alone = operations.len() == 1;
+    remarks.push(Remark { label: "WRITTEN", text: written(job, &unit, is_alone) });
+    if is_alone {
+        return remarks;
+    }
+    let mut told: Vec<u32> = Vec::new();
+    for job in operations.iter().map(|operation| &operation.job) {
+        let number = job.tool_numbers().0;
+        if let Some(tool) = job.tool.filter(|_| !told.contains(&number)) {
+            remarks.push(Remark { label: "TOOL", text: tool_text(tool, job.dialect, &unit) });
+            told.push(number);
+        }
+    }
+    if let Some(Times { plain, with_ramps }) = times {
+        let [plain, with_ramps] = [plain, with_ramps].map(clock);
+        let text = format!("{plain} - WITH ACCELERATION {with_ramps} - NO TOOL CHANGES COUNTED");
+        remarks.push(Remark { label: "TIME OF ALL", text });
+    }
+    remarks
+}
+
+fn notes(job: &ProgramJob) -> Vec<Remark> {
+    let note = |text: String| Remark { label: "NOTE", text };
+    let mut notes: Vec<Remark> = job.comments.iter().take(MAX_NOTES).cloned().map(note).collect();
+    if job.comments.len() > MAX_NOTES {
+        notes.push(note(format!("{} MORE ARE LEFT OUT", job.comments.len() - MAX_NOTES)));
+    }
+    notes
+}
+
+/// The time of an operation, s: at constant feeds, and with the ramps of the machine.
+#[derive(Clone, Copy, Default)]
+struct Times {
+    plain: f64,
+    with_ramps: f64,
+}
+
+/// The remarks about one operation, and its time.
+fn of_operation(
+    operation: &Operation,
+    lowered: &Lowered,
+) -> Result<(Vec<Remark>, Option<Times>), WriteError> {
+    let Operation { toolpath, job, .. } = operation;
     let unit = Unit::of(job);
     let mut remarks = Vec::new();
     let mut say = |label, text: String| remarks.push(Remark { label, text });
-    if let Some(name) = job.program.name.as_ref().filter(|_| !job.dialect.names_programs_at_their_number()) {
-        say("PROGRAM", name.clone());
-    }
-    for note in job.comments.iter().take(MAX_NOTES) {
-        say("NOTE", note.clone());
-    }
-    if job.comments.len() > MAX_NOTES {
-        say("NOTE", format!("{} MORE ARE LEFT OUT", job.comments.len() - MAX_NOTES));
-    }
-    say("WRITTEN", written(job, &unit));
     if let Some(tool) = job.tool {
         say("TOOL", tool_text(tool, job.dialect, &unit));
     }
@@ -67,9 +136,11 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
     let coarse = coarse_feeds(toolpath, job.dialect, job.program.resolution.units, output);
     let delay_s = lowered.delay_s + coarse.map_or(0.0, |coarse| coarse.by_s);
     let with_ramps = motion_time(toolpath, job.cutting.rapid_feed, job.cutting.acceleration);
-    if let Some((plain, with_ramps)) = measures.total_time_s.zip(with_ramps) {
-        let [plain, with_ramps] = [plain, with_ramps].map(|seconds| clock(seconds + delay_s));
-        say("TIME", format!("{plain} - WITH ACCELERATION {with_ramps}"));
+    let times = measures.total_time_s.zip(with_ramps);
+    let times =
+        times.map(|(plain, with_ramps)| Times { plain: plain + delay_s, with_ramps: with_ramps + delay_s });
+    if let Some(Times { plain, with_ramps }) = times {
+        say("TIME", format!("{} - WITH ACCELERATION {}", clock(plain), clock(with_ramps)));
     }
     let axis = match lowered.displacement_axis.to_degrees() {
         0.0 => String::new(),
@@ -94,7 +165,7 @@ pub fn remarks(toolpath: &Toolpath, lowered: &Lowered, job: &ProgramJob) -> Resu
         // No control keeps a colon in a comment.
         say(WARNING, warning.replace([':', ';'], " -"));
     }
-    Ok(remarks)
+    Ok((remarks, times))
 }
 
 /// The units of the program, for figures.
@@ -120,9 +191,9 @@ impl Unit {
     }
 }
 
-fn written(job: &ProgramJob, unit: &Unit) -> String {
+fn written(job: &ProgramJob, unit: &Unit, with_offset: bool) -> String {
     let mut text = format!("FOR {} - {} - {} DECIMALS", job.dialect.name, unit.name, unit.decimals);
-    if let Some(number) = job.program.work_offset {
+    if let Some(number) = job.program.work_offset.filter(|_| with_offset) {
         let _ = write!(text, " - WORK OFFSET G{number}");
     }
     text

@@ -5,6 +5,7 @@
 //!    [`toolpathd_core::toolpath::quantize`] rounds their coordinates to the decimals of the program.
 //! 2. `header` collects the comments for people that stand before the first block.
 //!    Where the tool leans, `posed` turns poses into blocks.
+//!    A program may have several operations; `sequence` tells what changes between them.
 //! 3. `write` writes the blocks as lines of text, between the first and the last lines that the dialect
 //!    prescribes.
 //! 4. `check` reads the text back with [`read`]. It compares each motion and each dwell of the text with the
@@ -46,6 +47,7 @@ mod lower;
 mod nc;
 mod posed;
 mod rails;
+mod sequence;
 mod smoothing;
 mod words;
 mod write;
@@ -57,9 +59,11 @@ pub use dialect::{AxisOutput, Dialect};
 pub use dialects::{DIALECTS, dialect};
 pub use header::clock;
 pub use posed::{FiveAxes, Slowed};
+pub use sequence::Unjoinable;
 pub use smoothing::{OwnSmoothing, own_smoothing};
 
 use nalgebra::Point3;
+use sequence::Part;
 use write::Written;
 
 use toolpathd_core::budget::{Budget, Stopped};
@@ -67,8 +71,8 @@ use toolpathd_core::machine::FollowError;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::cutting::Cutting;
 use toolpathd_core::toolpath::program::Program;
-use toolpathd_core::toolpath::quantize::{Grid, QuantizeError};
-use toolpathd_core::toolpath::tool::Tool;
+use toolpathd_core::toolpath::quantize::QuantizeError;
+use toolpathd_core::toolpath::tool::{DEFAULT_NUMBER, Tool};
 
 /// Most blocks of one program. Two million blocks with their text take some 200 MB. A few arcs of kilometre
 /// radius, written as chords, reach this limit.
@@ -110,6 +114,17 @@ impl<'a> ProgramJob<'a> {
         }
     }
 
+    /// The numbers of the tool and of its length offset.
+    fn tool_numbers(&self) -> (u32, u32) {
+        if let Some(tool) = self.tool {
+            return (tool.places().0, self.dialect.length_offset_of(tool));
+        }
+        // A text that calls a tool by its number describes no cutter, and tool 1 would be another one.
+        let number = self.called.unwrap_or(DEFAULT_NUMBER);
+        let usual = self.dialect.abilities.length_offsets.and_then(|offsets| offsets.usual);
+        (number, usual.unwrap_or(number))
+    }
+
     /// The rotary axes in the order of their letters: each letter, and the place of its angle in a block.
     fn rotary_words(&self) -> [(char, usize); 2] {
         let [first, second] = self.rotary_names();
@@ -121,6 +136,16 @@ impl<'a> ProgramJob<'a> {
         let machine = self.five_axes.and_then(|five| five.machine);
         machine.map_or(['A', 'C'], |machine| [0, 1].map(|k| machine.rotary()[k].name))
     }
+}
+
+/// One operation of a program. All operations of a program have the same dialect, and the same program but
+/// for the work offset.
+#[derive(Debug, Clone, Copy)]
+pub struct Operation<'a> {
+    /// What people call the operation; any characters.
+    pub name: Option<&'a str>,
+    pub toolpath: &'a Toolpath,
+    pub job: ProgramJob<'a>,
 }
 
 /// A written program.
@@ -173,6 +198,11 @@ pub enum WriteError {
     NoDwells,
     #[error("the control does not read a spindle speed of {rpm} rpm; choose another speed")]
     SpindleSpeed { rpm: f64 },
+    #[error(transparent)]
+    Unjoinable(#[from] Unjoinable),
+    /// A fault of a further operation, by its index among all operations.
+    #[error("operation {}: {error}", index + 1)]
+    InOperation { index: usize, error: Box<Self> },
     #[error("a cutting move of the toolpath has no feed; give every cutting move a feed")]
     FeedMissing,
     #[error(
@@ -207,11 +237,73 @@ pub enum WriteError {
     Differs { line: usize, what: &'static str },
 }
 
+impl WriteError {
+    /// The fault of the operation with an index. That of the first one stays as it is.
+    fn of_operation(self, index: usize) -> Self {
+        match self {
+            Self::Stopped(_) => self,
+            error if index == 0 => error,
+            error => Self::InOperation { index, error: Box::new(error) },
+        }
+    }
+}
+
 /// Writes `toolpath` as a program.
 ///
 /// # Errors
 /// One of [`WriteError`]. A program that does not read back as its toolpath is never returned.
 pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<NcProgram, WriteError> {
+    write_all(&[Operation { name: None, toolpath, job: *job }], budget)
+}
+
+/// Writes operations, one after the other, as one program. Between two operations of different tools the
+/// control changes the tool.
+///
+/// # Errors
+/// One of [`WriteError`]. A program that does not read back as its toolpaths is never returned.
+pub fn write_all(operations: &[Operation], budget: &Budget) -> Result<NcProgram, WriteError> {
+    let parts = parts(operations, budget)?;
+    let Written { text, custom } = write::text(&parts)?;
+    let max_radius_mismatch_mm = check::read_back(&text, &custom, &parts, budget)?;
+    let largest =
+        |of: fn(&lower::Lowered) -> f64| parts.iter().map(|part| of(&part.lowered)).fold(0.0, f64::max);
+    Ok(NcProgram {
+        text,
+        max_displacement_mm: largest(|lowered| lowered.displacement_mm),
+        max_displacement_axis: largest(|lowered| lowered.displacement_axis),
+        max_radius_mismatch_mm,
+        blocks: parts.iter().map(|part| part.lowered.blocks.len()).sum(),
+        slowed: parts.iter().map(|part| part.lowered.slowed).sum(),
+    })
+}
+
+/// The operations as blocks with remarks, and what changes between them.
+fn parts<'a>(operations: &'a [Operation<'a>], budget: &Budget) -> Result<Vec<Part<'a>>, WriteError> {
+    for (k, operation) in operations.iter().enumerate() {
+        check_job(&operation.job).map_err(|error| error.of_operation(k))?;
+    }
+    let changes = sequence::changes(operations)?;
+    let mut lowered: Vec<lower::Lowered> = Vec::with_capacity(operations.len());
+    for (k, (operation, change)) in operations.iter().zip(&changes).enumerate() {
+        let from = lowered.last().and_then(|before| before.end).filter(|_| !change.leaves());
+        let blocks = lower::lower(operation.toolpath, &operation.job, from, budget);
+        lowered.push(blocks.map_err(|error| error.of_operation(k))?);
+        if lowered.iter().map(|one| one.blocks.len()).sum::<usize>() > MAX_BLOCKS {
+            return Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS });
+        }
+    }
+    let remarks = header::remarks(operations, &lowered)?;
+    Ok(operations
+        .iter()
+        .zip(changes)
+        .zip(lowered)
+        .zip(remarks)
+        .map(|(((operation, change), lowered), remarks)| Part { operation, change, lowered, remarks })
+        .collect())
+}
+
+/// Refuses what the dialect has no words for.
+fn check_job(job: &ProgramJob) -> Result<(), WriteError> {
     let resolution = job.program.resolution;
     let max = job.dialect.max_decimals;
     if !(1..=max).contains(&resolution.decimals) {
@@ -219,6 +311,9 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
     }
     if let Some(first) = missing(job.dialect, job.program, job.cutting.coolant, job.tool).first() {
         return Err((*first).into());
+    }
+    if let Some(rpm) = job.cutting.spindle_rpm {
+        words::spindle(rpm, &job.dialect.numbers)?;
     }
     if let Some(first) = refused(job.dialect, &job.program.custom).into_iter().next() {
         return Err(first.into());
@@ -228,20 +323,7 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
     {
         return Err(own.into());
     }
-    let grid = Grid::new(resolution);
-    let lowered = lower::lower(toolpath, job, budget)?;
-    let remarks = header::remarks(toolpath, &lowered, job)?;
-    let blocks = &lowered.blocks;
-    let Written { text, custom } = write::text(&lowered, &remarks, job)?;
-    let max_radius_mismatch_mm = check::read_back(&text, &custom, &lowered, job, &grid, budget)?;
-    Ok(NcProgram {
-        text,
-        max_displacement_mm: lowered.displacement_mm,
-        max_displacement_axis: lowered.displacement_axis,
-        max_radius_mismatch_mm,
-        blocks: blocks.len(),
-        slowed: lowered.slowed,
-    })
+    Ok(())
 }
 
 #[cfg(test)]

@@ -31,23 +31,37 @@ pub struct Lowered {
     /// How much longer the blocks take than the moves they stand for, s.
     pub delay_s: f64,
     pub slowed: Slowed,
+    /// Where the last block ends; `None` where a tool leans or turns.
+    pub end: Option<[i64; 3]>,
 }
 
-/// The blocks of the approach, of every move and of the retract.
-pub fn lower(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Lowered, WriteError> {
+/// The blocks of the approach, of every move and of the retract. The operation before may have ended at
+/// `from`, with the same tool and work offset.
+pub fn lower(
+    toolpath: &Toolpath,
+    job: &ProgramJob,
+    from: Option<[i64; 3]>,
+    budget: &Budget,
+) -> Result<Lowered, WriteError> {
     if let Some(five) = job.five_axes {
         let Posed { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed } =
             posed::lower(toolpath, &five, job, budget)?;
-        return Ok(Lowered { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed });
+        let end = None;
+        return Ok(Lowered { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed, end });
     }
     if !toolpath.is_upright() {
         return Err(WriteError::MachineMissing);
     }
-    upright(toolpath, job, budget)
+    upright(toolpath, job, from, budget)
 }
 
 /// The blocks of a toolpath whose tool axis is straight up.
-fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Lowered, WriteError> {
+fn upright(
+    toolpath: &Toolpath,
+    job: &ProgramJob,
+    from: Option<[i64; 3]>,
+    budget: &Budget,
+) -> Result<Lowered, WriteError> {
     let resolution = job.program.resolution;
     let grid = Grid::new(resolution);
     let clearance = grid.units(job.cutting.clearance_z_mm)?;
@@ -63,7 +77,10 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
         blocks: Blocks::default(),
         displacement_mm: 0.0,
     };
-    lowering.approach(clearance)?;
+    match from {
+        Some(from) => lowering.cross(from, clearance)?,
+        None => lowering.approach(clearance)?,
+    }
     let (mut checked, total) = (0, toolpath.moves().count());
     for (k, step) in toolpath.moves().enumerate() {
         // One move may become very many blocks, and very many moves may become no block.
@@ -85,7 +102,7 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
         }
     }
     lowering.retract(clearance)?;
-    let Lowering { blocks, displacement_mm, .. } = lowering;
+    let Lowering { blocks, displacement_mm, at, .. } = lowering;
     Ok(Lowered {
         blocks: blocks.finish(),
         rails: Vec::new(),
@@ -93,6 +110,7 @@ fn upright(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<Low
         displacement_axis: 0.0,
         delay_s: 0.0,
         slowed: Slowed::default(),
+        end: Some([at[0], at[1], at[2].max(clearance)]),
     })
 }
 
@@ -142,6 +160,17 @@ impl Lowering<'_> {
         self.blocks.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
         self.blocks.push(Block::Rapid { to: [None, None, Some(z.max(clearance))] })?;
         self.down_to(z, clearance)
+    }
+
+    /// Moves from the end of the operation before to the start: up if need be, across, and down.
+    fn cross(&mut self, from: [i64; 3], clearance: i64) -> Result<(), WriteError> {
+        let [x, y, z] = self.at;
+        let height = from[2].max(clearance).max(z);
+        if height > from[2] {
+            self.blocks.push(Block::Rapid { to: [None, None, Some(height)] })?;
+        }
+        self.blocks.push(Block::Rapid { to: [Some(x), Some(y), None] })?;
+        self.down_to(z, height)
     }
 
     fn down_to(&mut self, z: i64, clearance: i64) -> Result<(), WriteError> {

@@ -137,6 +137,11 @@ impl<'a> Reader<'a> {
         self
     }
 
+    /// The number of the line that was read last, from 1; 0 before the first.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
     /// What programs of this control can ask for.
     pub fn calls(&self) -> Calls {
         self.language.calls()

@@ -33,6 +33,7 @@ mod parabolas;
 mod posed;
 mod positions;
 mod rails;
+mod sequence;
 mod smoothing;
 mod wrong_words;
 
@@ -98,6 +99,12 @@ fn written(
     comments: &[String],
 ) -> Result<NcProgram, WriteError> {
     written_in(DIALECTS[0], toolpath, program, cutting, comments)
+}
+
+/// The check of a text against one operation.
+fn check_text(text: &str, toolpath: &Toolpath, job: &ProgramJob) -> Result<f64, WriteError> {
+    let (operations, budget) = ([Operation { name: None, toolpath, job: *job }], Budget::unlimited());
+    check::read_back(text, &[], &parts(&operations, &budget)?, &budget)
 }
 
 /// A short program with a plunge, arcs in two planes, a rapid down and a dwell.
@@ -204,10 +211,8 @@ fn a_value_that_no_program_can_hold_is_an_error() {
 fn a_changed_program_fails_the_check() {
     let (program, cutting) = (Program::plain(MM), cutting());
     let job = ProgramJob { tool: Some(&TOOL), ..ProgramJob::plain(&program, &cutting, DIALECTS[0]) };
-    let blocks = lower::lower(&sample(), &job, &Budget::unlimited()).unwrap();
     let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
-    let grid = Grid::new(MM);
-    assert!(check::read_back(&text, &[], &blocks, &job, &grid, &Budget::unlimited()).is_ok());
+    assert!(check_text(&text, &sample(), &job).is_ok());
     let changes = [
         ("Z0.000 F400", "Z0.001 F400", "place"),
         ("F400", "F401", "feed"),
@@ -221,9 +226,7 @@ fn a_changed_program_fails_the_check() {
     ];
     for (from, to, what) in changes {
         assert!(text.contains(from));
-        let error =
-            check::read_back(&text.replacen(from, to, 1), &[], &blocks, &job, &grid, &Budget::unlimited())
-                .unwrap_err();
+        let error = check_text(&text.replacen(from, to, 1), &sample(), &job).unwrap_err();
         assert!(matches!(error, WriteError::Differs { what: found, .. } if found == what), "{from} {error}");
     }
 }

@@ -10,34 +10,22 @@ mod remarks;
 pub use lines::Written;
 
 use super::dialect::Syntax;
-use super::header::Remark;
-use super::lower::Lowered;
-use super::{ProgramJob, WriteError};
-use toolpathd_core::toolpath::tool::DEFAULT_NUMBER;
+use super::sequence::Part;
+use super::{ProgramJob, Unjoinable, WriteError};
 
-/// Returns the text of a whole program.
+/// Returns the text of a whole program of at least one operation.
 ///
 /// # Errors
 /// When a word of the frame cannot be written, a number has more digits or a line more characters than the
 /// control takes.
-pub fn text(lowered: &Lowered, remarks: &[Remark], job: &ProgramJob) -> Result<Written, WriteError> {
-    let blocks = &lowered.blocks;
+pub fn text(parts: &[Part]) -> Result<Written, WriteError> {
+    let [first, later @ ..] = parts else { return Err(Unjoinable::Nothing.into()) };
+    let job = &first.operation.job;
     match &job.dialect.syntax {
-        Syntax::Iso(iso) | Syntax::Siemens(iso) => iso::text(lowered, remarks, job, iso),
-        Syntax::Klartext => klartext::text(blocks, remarks, job),
-        Syntax::Deckel => deckel::text(blocks, job),
+        Syntax::Iso(iso) | Syntax::Siemens(iso) => iso::text(first, later, iso),
+        Syntax::Klartext => klartext::text(first, later),
+        Syntax::Deckel => deckel::text(&first.lowered.blocks, job),
     }
-}
-
-/// The numbers of the tool and of its length offset.
-pub fn tool_of(job: &ProgramJob) -> (u32, u32) {
-    if let Some(tool) = job.tool {
-        return (tool.places().0, job.dialect.length_offset_of(tool));
-    }
-    // A text that calls a tool by its number describes no cutter, and tool 1 would be another one.
-    let number = job.called.unwrap_or(DEFAULT_NUMBER);
-    let usual = job.dialect.abilities.length_offsets.and_then(|offsets| offsets.usual);
-    (number, usual.unwrap_or(number))
 }
 
 /// The number of the program, where the dialect has one.

@@ -19,6 +19,7 @@ mod operation;
 mod points;
 mod programs;
 mod reading;
+mod several;
 mod shutdown;
 mod smoothing;
 pub mod support;

@@ -1,5 +1,7 @@
 //! Moves, passes and the toolpath. A builder makes a toolpath move by move.
 
+mod joined;
+
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 use super::rail::Rail;

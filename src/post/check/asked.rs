@@ -7,7 +7,6 @@
 
 use super::super::block::{Block, BlockFeed};
 use super::super::read::{MachineState, Reader, Spindle};
-use super::super::write::tool_of;
 use super::super::{ProgramJob, WriteError, words};
 use super::first_false;
 use toolpathd_core::toolpath::cutting::Coolant;
@@ -46,7 +45,8 @@ impl Needs {
     }
 }
 
-/// The name of what differs at a block; `None` where nothing does.
+/// The name of what differs at a block; `None` where nothing does. Before the block, the tool has moved
+/// `homes` times to the machine's end of Z.
 ///
 /// # Errors
 /// When the speed of the spindle cannot be written.
@@ -54,12 +54,13 @@ pub fn difference(
     read: &Reader,
     block: &Block,
     job: &ProgramJob,
+    homes: u32,
 ) -> Result<Option<&'static str>, WriteError> {
     let needs = Needs::of(block);
     if needs == Needs::Nothing {
         return Ok(None);
     }
-    let (state, calls, (number, offset)) = (read.state(), read.calls(), tool_of(job));
+    let (state, calls, (number, offset)) = (read.state(), read.calls(), job.tool_numbers());
     let is_own_change = !job.program.custom.tool_change.is_empty();
     let step_mm = 10f64.powi(-i32::from(job.dialect.max_decimals));
     let is_radius = |read: f64| job.tool.is_some_and(|tool| (read - tool.radius_mm).abs() <= 0.5 * step_mm);
@@ -72,9 +73,10 @@ pub fn difference(
         }
     };
     let of_tool = [
+        (state.bad_changes == 0, "tool change"),
         (is_own_change || !calls.tools || state.tool == Some(number), "tool"),
         (state.tool_radius_mm.is_none_or(is_radius), "radius of the tool"),
-        (state.homes == homes(job), "safe home"),
+        (state.homes == homes, "safe home"),
         (state.work_offset == job.program.work_offset.map(u32::from), "work offset"),
     ];
     let of_length = [(!calls.length_offsets || state.length_offset == Some(offset), "length offset")];
@@ -84,16 +86,18 @@ pub fn difference(
     Ok(first_false(&of_tool).or_else(|| first_false(of_length)).or_else(|| first_false(of_cut)))
 }
 
-/// How often the tool moves to the machine's end of Z before the tool change, and again before the end.
-fn homes(job: &ProgramJob) -> u32 {
+/// How often the tool moves to the machine's end of Z before it is changed or the work offset is, and again
+/// before the end.
+pub fn homes(job: &ProgramJob) -> u32 {
     u32::from(job.program.safe_home != SafeHome::None)
 }
 
-/// The name of what differs at the end of the program, where nothing may be on; `None` where nothing does.
-pub fn difference_at_end(state: &MachineState, job: &ProgramJob) -> Option<&'static str> {
+/// The name of what differs at the end of the program, where nothing may be on, and the tool has moved
+/// `homes` times to the machine's end of Z; `None` where nothing does.
+pub fn difference_at_end(state: &MachineState, homes: u32) -> Option<&'static str> {
     first_false(&[
         (state.spindle == Spindle::Off, "spindle"),
         (state.coolant == Coolant::Off, "coolant"),
-        (state.homes == 2 * homes(job), "safe home"),
+        (state.homes == homes, "safe home"),
     ])
 }

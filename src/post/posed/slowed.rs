@@ -27,6 +27,17 @@ pub struct Slowed {
     pub coarse_by_s: f64,
 }
 
+impl std::iter::Sum for Slowed {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |a, b| Self {
+            blocks: a.blocks + b.blocks,
+            by_s: a.by_s + b.by_s,
+            coarse: a.coarse + b.coarse,
+            coarse_by_s: a.coarse_by_s + b.coarse_by_s,
+        })
+    }
+}
+
 impl Slowed {
     /// The F word of a block: one by its minutes. A block too short for `most`, the largest F, takes longer.
     pub fn inverse_time(

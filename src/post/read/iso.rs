@@ -63,6 +63,8 @@ pub struct Reader {
     smoothing: Option<Smoothing>,
     state: MachineState,
     program: Option<u32>,
+    /// No mode is taken for granted, neither at the start nor behind a change from one tool to another.
+    is_strict: bool,
 }
 
 /// The line before and behind a program.
@@ -129,6 +131,7 @@ impl Language for Reader {
 
     fn assume_nothing(&mut self) {
         self.modal = Modal::UNKNOWN;
+        self.is_strict = true;
     }
 
     fn calls(&self) -> Calls {
@@ -169,6 +172,7 @@ impl Reader {
             smoothing: None,
             state: MachineState::default(),
             program: None,
+            is_strict: false,
         }
     }
 

@@ -115,6 +115,8 @@ pub struct Reader<'a> {
     low_corner: Option<Point3<f64>>,
     high_corner: Option<Point3<f64>>,
     state: MachineState,
+    /// Neither position nor feed is taken for granted behind a change from one tool to another.
+    is_strict: bool,
 }
 
 impl Language for Reader<'_> {
@@ -148,6 +150,10 @@ impl Language for Reader<'_> {
         self.has_tool = true;
         self.smoothing = None;
         self.state = self.state.behind_own_lines();
+    }
+
+    fn assume_nothing(&mut self) {
+        self.is_strict = true;
     }
 
     fn calls(&self) -> Calls {
@@ -206,6 +212,7 @@ impl<'a> Reader<'a> {
             low_corner: None,
             high_corner: None,
             state: MachineState::default(),
+            is_strict: false,
         }
     }
 

@@ -85,6 +85,8 @@ pub struct Reader<'a> {
     smoothing: Option<Smoothing>,
     /// All but the length offset, which is the cutting edge.
     state: MachineState,
+    /// No mode is taken for granted behind a change from one tool to another.
+    is_strict: bool,
 }
 
 impl Language for Reader<'_> {
@@ -113,6 +115,10 @@ impl Language for Reader<'_> {
         (self.is_on_rails, self.has_polynomials) = (false, false);
         self.smoothing = None;
         self.state = self.state.behind_own_lines();
+    }
+
+    fn assume_nothing(&mut self) {
+        self.is_strict = true;
     }
 
     fn calls(&self) -> Calls {
@@ -162,6 +168,7 @@ impl<'a> Reader<'a> {
             has_lost_axis: false,
             smoothing: None,
             state: MachineState::default(),
+            is_strict: false,
         }
     }
 
@@ -333,8 +340,13 @@ impl<'a> Reader<'a> {
             (false, true) => return Err(Fault::Word("T", WordFault::Missing)),
             (true, true) if self.has_tip_control => return Err(Fault::UnderTipControl),
             (true, true) => {
+                if self.is_strict && self.state.tool.is_some() {
+                    // The change may run a program of its own, which leaves other modes.
+                    self.modal = Modal::UNKNOWN;
+                    self.state.work_offset = None;
+                }
                 (self.edge, self.modal.at[2]) = (0, None);
-                self.state.tool = tool;
+                self.state.change_tool(tool);
             }
             (false, false) => {}
         }

@@ -28,12 +28,21 @@ pub struct MachineState {
     pub length_offset: Option<u32>,
     /// How often the tool has moved to the machine's end of Z.
     pub homes: u32,
+    /// How often the tool was changed while the spindle turned or coolant flowed, or without its number.
+    pub bad_changes: u32,
 }
 
 impl MachineState {
+    /// Changes the tool to the one that the block names.
+    pub fn change_tool(&mut self, tool: Option<u32>) {
+        let runs = self.spindle != Spindle::Off || self.coolant != Coolant::Off;
+        self.bad_changes += u32::from(runs || tool.is_none());
+        self.tool = tool;
+    }
+
     /// What is known after a shop's own lines, which are not read: how often the tool has moved home.
     pub fn behind_own_lines(self) -> Self {
-        Self { homes: self.homes, ..Self::default() }
+        Self { homes: self.homes, bad_changes: self.bad_changes, ..Self::default() }
     }
 }
 

@@ -254,10 +254,7 @@ fn a_centre_that_is_shifted_by_a_few_units_fails_the_check() {
     let (program, cutting) = (Program::plain(MM), cutting());
     let job = ProgramJob::plain(&program, &cutting, &SIEMENS);
     let text = write(&path, &job, &Budget::unlimited()).unwrap().text;
-    let lowered = lower::lower(&path, &job, &Budget::unlimited()).unwrap();
-    let check = |text: &str| {
-        check::read_back(text, &[], &lowered, &job, &Grid::new(MM), &Budget::unlimited()).map(|_| ())
-    };
+    let check = |text: &str| check_text(text, &path, &job).map(|_| ());
     assert_eq!(check(&text), Ok(()));
     for offset in ["I0.501", "I0.499", "I0.503"] {
         let spoiled = text.replace("I0.500", offset);

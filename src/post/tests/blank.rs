@@ -32,9 +32,8 @@ fn the_corners_of_the_raw_part_lie_on_the_grid_around_it() {
 fn a_changed_corner_fails_the_check() {
     let (program, cutting) = (program_of([0.0, 0.0, -5.0], [20.0, 30.0, 0.5]), cutting());
     let job = ProgramJob::plain(&program, &cutting, &HEIDENHAIN);
-    let blocks = lower::lower(&drilled(), &job, &Budget::unlimited()).unwrap();
     let text = write(&drilled(), &job, &Budget::unlimited()).unwrap().text;
-    let check = |text: &str| check::read_back(text, &[], &blocks, &job, &Grid::new(MM), &Budget::unlimited());
+    let check = |text: &str| check_text(text, &drilled(), &job);
     assert!(check(&text).is_ok());
     for (from, to) in
         [("Z-5.000", "Z-5.001"), ("X+20.000", "X+21.000"), ("Z+0.500", "Z-5.000"), ("0.2 X", "0.3 X")]

@@ -27,7 +27,7 @@ fn is_idle(dialect: &Dialect, line: &str, word: &str, corruption: Corruption) ->
     if word == "G17" && dialect.abilities.length_offsets.is_none() {
         return matches!(corruption, Corruption::Changed | Corruption::Dropped | Corruption::Swapped);
     }
-    let is_arc = ["G2 ", "G3 ", " DR"].iter().any(|arc| line.contains(arc));
+    let is_arc = ["G2 ", "G3 ", " I", " DR"].iter().any(|arc| line.contains(arc));
     match corruption {
         // Blocks of ISO words have no order. Klartext takes coordinates in two orders.
         Corruption::Swapped => {
@@ -105,12 +105,11 @@ fn is_comment(line: &str) -> bool {
 
 /// The corruptions of a written program that change something and that its check does not find. `tried`
 /// counts all corruptions.
-fn survivors(toolpath: &Toolpath, job: &ProgramJob, tried: &mut usize) -> Vec<String> {
-    let budget = Budget::unlimited();
-    let grid = Grid::new(job.program.resolution);
-    let lowered = lower::lower(toolpath, job, &budget).unwrap();
-    let text = write(toolpath, job, &budget).unwrap().text;
-    check::read_back(&text, &[], &lowered, job, &grid, &budget).unwrap();
+pub fn survivors(operations: &[Operation], tried: &mut usize) -> Vec<String> {
+    let (budget, dialect) = (Budget::unlimited(), operations[0].job.dialect);
+    let parts = parts(operations, &budget).unwrap();
+    let text = write_all(operations, &budget).unwrap().text;
+    check::read_back(&text, &[], &parts, &budget).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     let mut survivors = Vec::new();
     for (at, line) in lines.iter().enumerate().filter(|(_, line)| !is_comment(line)) {
@@ -124,8 +123,8 @@ fn survivors(toolpath: &Toolpath, job: &ProgramJob, tried: &mut usize) -> Vec<St
             corrupted[at] = &wrong;
             let corrupted = format!("{}\n", corrupted.join("\n"));
             *tried += 1;
-            let passes = check::read_back(&corrupted, &[], &lowered, job, &grid, &budget).is_ok();
-            if passes && !is_idle(job.dialect, line, words[k], corruption) {
+            let passes = check::read_back(&corrupted, &[], &parts, &budget).is_ok();
+            if passes && !is_idle(dialect, line, words[k], corruption) {
                 survivors.push(format!("{} {}: {line}", words[k], corruption.name()));
             }
         }
@@ -151,14 +150,16 @@ fn each_corrupted_word_is_found_unless_it_changes_nothing() {
         let cutting = Cutting { coolant: coolant.copied().unwrap_or_default(), ..cutting() };
         let upright = ProgramJob { tool: Some(&tool), ..ProgramJob::plain(&program, &cutting, dialect) };
         let path = if abilities.has_dwells { sample() } else { without_dwells() };
-        found.extend(survivors(&path, &upright, &mut tried).into_iter().map(|own| (dialect.name, own)));
+        let mut judge = |toolpath: &Toolpath, job: ProgramJob| {
+            let own = survivors(&[Operation { name: None, toolpath, job }], &mut tried);
+            found.extend(own.into_iter().map(|own| (dialect.name, own)));
+        };
+        judge(&path, upright);
         for output in dialect.five_axes.outputs() {
             let allowed = Straying { tip_mm: 1.0, axis: 1.0 };
             let five_axes =
                 Some(FiveAxes { output, machine: Some(&table), allowed, speeds: [f64::INFINITY; 5] });
-            let leans = ProgramJob { five_axes, ..upright };
-            let own = survivors(&leaning(), &leans, &mut tried);
-            found.extend(own.into_iter().map(|own| (dialect.name, own)));
+            judge(&leaning(), ProgramJob { five_axes, ..upright });
         }
     }
     assert!(found.is_empty(), "{} of {tried}: {found:#?}", found.len());
@@ -178,11 +179,9 @@ fn without_dwells() -> Toolpath {
 fn a_line_that_is_left_out_is_found() {
     let (program, cutting) =
         (Program { work_offset: Some(54), safe_home: SafeHome::G53, ..Program::plain(MM) }, cutting());
-    let (budget, grid) = (Budget::unlimited(), Grid::new(MM));
     for dialect in [&LINUXCNC, &FANUC, &MACH4] {
         let job = ProgramJob { tool: Some(&TOOL), ..ProgramJob::plain(&program, &cutting, dialect) };
-        let lowered = lower::lower(&sample(), &job, &budget).unwrap();
-        let text = write(&sample(), &job, &budget).unwrap().text;
+        let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
         let centers = (dialect.name == MACH4.name).then_some("G91.1");
         for line in
             ["G54", "T3 M6", "S12000 M3", "M8", "M5", "M9", "G53 G0 Z0.000"].into_iter().chain(centers)
@@ -192,7 +191,7 @@ fn a_line_that_is_left_out_is_found() {
             // The first of these lines, and the last.
             let (head, tail) = text.rsplit_once(&line).unwrap();
             for wrong in [text.replacen(&line, "\n", 1), format!("{head}\n{tail}")] {
-                let read = check::read_back(&wrong, &[], &lowered, &job, &grid, &budget);
+                let read = check_text(&wrong, &sample(), &job);
                 let is_found = matches!(read, Err(WriteError::Differs { .. } | WriteError::Unreadable(_)));
                 assert!(is_found, "{line}: {read:?}");
             }

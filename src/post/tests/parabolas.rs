@@ -77,7 +77,6 @@ fn a_changed_spline_fails_the_check() {
     let cutting = cutting();
     let dialect = DIALECTS[0];
     let job = ProgramJob { tool: Some(&TOOL), ..ProgramJob::plain(&program, &cutting, dialect) };
-    let blocks = lower::lower(&wave(), &job, &Budget::unlimited()).unwrap();
     let text = write(&wave(), &job, &Budget::unlimited()).unwrap().text;
     for (from, to, what) in [
         ("I5.000 J4.000", "I5.001 J4.000", "control"),
@@ -87,13 +86,11 @@ fn a_changed_spline_fails_the_check() {
         ("G1 X4.000", "G0 X4.000", "kind"),
     ] {
         let changed = text.replacen(from, to, 1);
-        let error =
-            check::read_back(&changed, &[], &blocks, &job, &Grid::new(MM), &Budget::unlimited()).unwrap_err();
+        let error = check_text(&changed, &wave(), &job).unwrap_err();
         assert!(matches!(error, WriteError::Differs { what: found, .. } if found == what), "{from} {error}");
     }
     let unsaid = text.replacen("G1 X4.000", "X4.000", 1);
-    let error =
-        check::read_back(&unsaid, &[], &blocks, &job, &Grid::new(MM), &Budget::unlimited()).unwrap_err();
+    let error = check_text(&unsaid, &wave(), &job).unwrap_err();
     assert!(matches!(error, WriteError::Unreadable(_)), "{error}");
 }
 

@@ -193,13 +193,11 @@ fn a_changed_block_fails_the_check() {
             Some(FiveAxes { output, machine: Some(&table), allowed: coarse, speeds: [f64::INFINITY; 5] });
         let job =
             ProgramJob { tool: Some(&TOOL), five_axes, ..ProgramJob::plain(&program, &cutting, &FANUC) };
-        let blocks = lower::lower(&leaning(), &job, &Budget::unlimited()).unwrap();
         let text = write(&leaning(), &job, &Budget::unlimited()).unwrap().text;
         for (from, to, what) in changes {
             assert!(text.contains(from), "{from} {text}");
             let changed = text.replacen(from, to, 1);
-            let error = check::read_back(&changed, &[], &blocks, &job, &Grid::new(MM), &Budget::unlimited())
-                .unwrap_err();
+            let error = check_text(&changed, &leaning(), &job).unwrap_err();
             let found = match error {
                 WriteError::Differs { what, .. } => what,
                 WriteError::Unreadable(_) => "no reading",

@@ -28,7 +28,7 @@ fn smoothed(dialect: &Dialect, asked: Smoothing) -> Result<String, WriteError> {
 }
 
 /// Each dialect that has words, what is asked for, and the lines that say so.
-fn cases() -> Vec<(&'static Dialect, Smoothing, Vec<&'static str>)> {
+pub fn cases() -> Vec<(&'static Dialect, Smoothing, Vec<&'static str>)> {
     vec![
         (&LINUXCNC, smoothing(Some(0.02), None, None), vec!["G64 P0.020 Q0"]),
         (&LINUXCNC, smoothing(Some(0.00025), None, None), vec!["G64 P0.00025 Q0"]),
@@ -84,10 +84,8 @@ fn a_changed_word_of_smoothing_fails_the_check() {
         let program = Program { smoothing: Some(asked), ..Program::plain(MM) };
         let (cutting, tool) = (cutting(), Tool { length_offset: None, ..TOOL });
         let job = ProgramJob { tool: Some(&tool), ..ProgramJob::plain(&program, &cutting, dialect) };
-        let blocks = lower::lower(&sample(), &job, &Budget::unlimited()).unwrap();
         let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text;
-        let read =
-            |text: &str| check::read_back(text, &[], &blocks, &job, &Grid::new(MM), &Budget::unlimited());
+        let read = |text: &str| check_text(text, &sample(), &job);
         assert!(read(&text).is_ok());
         // Each line is spoiled in its digits, and the first is left out.
         for line in lines {
@@ -116,10 +114,8 @@ fn a_changed_usual_distance_fails_the_check() {
     ] {
         let (program, cutting, tool) = (Program::plain(MM), cutting(), Tool { length_offset: None, ..TOOL });
         let job = ProgramJob { tool: Some(&tool), ..ProgramJob::plain(&program, &cutting, dialect) };
-        let blocks = lower::lower(&sample(), &job, &Budget::unlimited()).unwrap();
         let text = write(&sample(), &job, &Budget::unlimited()).unwrap().text.replacen(from, to, 1);
-        let error =
-            check::read_back(&text, &[], &blocks, &job, &Grid::new(MM), &Budget::unlimited()).unwrap_err();
+        let error = check_text(&text, &sample(), &job).unwrap_err();
         assert!(matches!(error, WriteError::Differs { what: "smoothing", .. }), "{error}");
     }
 }

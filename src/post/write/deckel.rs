@@ -13,7 +13,7 @@
 //! for Machining of Sculptured Surface of Die*, 1989.
 
 use super::lines::{Lines, Numbering, Written};
-use super::{program_number, tool_of};
+use super::program_number;
 use crate::block::Block;
 use crate::words::{self, AXES, FeedWord};
 use crate::{ProgramJob, WriteError};
@@ -30,7 +30,7 @@ pub fn text(blocks: &[Block], job: &ProgramJob) -> Result<Written, WriteError> {
         last: Last::Other,
         feed: None,
     };
-    let (tool, _) = tool_of(job);
+    let (tool, _) = job.tool_numbers();
     let name = format!("&X{}", program_number(job)?.unwrap_or(1));
     let radius = job.tool.map_or(0, |tool| (tool.radius_mm * 1000.0).round() as i64);
     let radius = short(radius, 3);

@@ -1,16 +1,15 @@
 //! Writes programs of ISO words.
 
+mod operations;
 mod posed;
 mod rails;
 mod smoothing;
 
 use super::lines::{Lines, Numbering, Written};
-use super::{program_number, remarks, tool_of};
+use super::{program_number, remarks};
 use crate::block::{AxisWords, Block};
 use crate::dialect::{BlockNumbers, Comment, Dwell, Frame, Iso, Point, SmoothingForm};
-use crate::header::Remark;
-use crate::lower::Lowered;
-use crate::rails::RailWords;
+use crate::sequence::Part;
 use crate::smoothing::in_force;
 use crate::words::{self, AXES, FeedWord, OFFSETS};
 use crate::{ProgramJob, WriteError};
@@ -22,21 +21,16 @@ use toolpathd_core::toolpath::program::{SafeHome, Units};
 const MAX_PROGRAM_NAME_LENGTH: usize = 32;
 
 /// The text of a whole program; see [`super::text`].
-pub fn text(
-    lowered: &Lowered,
-    remarks: &[Remark],
-    job: &ProgramJob,
-    iso: &Iso,
-) -> Result<Written, WriteError> {
+pub fn text(first: &Part, later: &[Part], iso: &Iso) -> Result<Written, WriteError> {
+    let job = &first.operation.job;
     let BlockNumbers { step, max } = iso.block_numbers;
     let numbering = Numbering { prefix: "N", first: step, step, max };
     let numbering = job.program.block_numbers.then_some(numbering);
     let mut writer = Writer {
         job,
         iso,
-        remarks,
-        rails: &lowered.rails,
-        lines: Lines::new(job.dialect, numbering, lowered.blocks.len()),
+        part: first,
+        lines: Lines::new(job.dialect, numbering, first.lowered.blocks.len()),
         owes_length_offset: false,
         motion: None,
         // The safety line selects it.
@@ -52,10 +46,12 @@ pub fn text(
     for frame in iso.start {
         writer.frame(*frame)?;
     }
-    for block in &lowered.blocks {
-        writer.block(block)?;
+    writer.blocks()?;
+    for part in later {
+        writer.operation(part)?;
+        writer.blocks()?;
     }
-    let (last, end) = iso.end.split_last().map_or((None, iso.end), |(last, end)| (Some(last), end));
+    let (last, end) = split_end(iso);
     for frame in end {
         writer.frame(*frame)?;
     }
@@ -67,11 +63,16 @@ pub fn text(
     Ok(writer.lines.finish())
 }
 
+/// The frame that ends the program, and the frames before it.
+fn split_end(iso: &Iso) -> (Option<&Frame>, &[Frame]) {
+    iso.end.split_last().map_or((None, iso.end), |(last, end)| (Some(last), end))
+}
+
 struct Writer<'a> {
     job: &'a ProgramJob<'a>,
     iso: &'a Iso,
-    remarks: &'a [Remark],
-    rails: &'a [RailWords],
+    /// The operation that is being written.
+    part: &'a Part<'a>,
     lines: Lines<'a>,
     /// The next motion along Z has to take the length offset.
     owes_length_offset: bool,
@@ -87,15 +88,34 @@ struct Writer<'a> {
     tip_control_off: Option<&'static str>,
 }
 
-impl Writer<'_> {
+impl<'a> Writer<'a> {
+    fn blocks(&mut self) -> Result<(), WriteError> {
+        self.part.lowered.blocks.iter().try_for_each(|block| self.block(block))
+    }
+
+    fn remarks(&mut self) -> Result<(), WriteError> {
+        let (lines, comment, job) = (&mut self.lines, &self.iso.comment, self.job);
+        self.part.remarks.iter().try_for_each(|remark| remarks::write(lines, job.dialect, comment, remark))
+    }
+
+    /// Sets the modes of the start again: a tool change may leave others.
+    fn modes(&mut self) -> Result<(), WriteError> {
+        self.motion = None;
+        let again = |frame: &&Frame| {
+            matches!(
+                frame,
+                Frame::Text(_) | Frame::ByUnits { .. } | Frame::Blending { .. } | Frame::WorkOffset
+            )
+        };
+        self.iso.start.iter().filter(again).try_for_each(|frame| self.frame(*frame))
+    }
+
     fn frame(&mut self, frame: Frame) -> Result<(), WriteError> {
         let job = self.job;
         match frame {
             Frame::Header => {
-                let mut each = self.remarks.iter();
-                let (lines, comment) = (&mut self.lines, &self.iso.comment);
-                each.try_for_each(|remark| remarks::write(lines, job.dialect, comment, remark))?;
-                return lines.custom(&job.program.custom.header);
+                self.remarks()?;
+                return self.lines.custom(&job.program.custom.header);
             }
             Frame::Text(text) => self.lines.word(text),
             Frame::ByUnits { mm, inch } => self.lines.word(match job.program.resolution.units {
@@ -129,8 +149,7 @@ impl Writer<'_> {
             }
             Frame::SpindleOn => {
                 if let Some(rpm) = job.cutting.spindle_rpm {
-                    let speed = words::spindle(rpm, &job.dialect.numbers)?;
-                    self.lines.number("S", speed.digits, speed.decimals);
+                    self.speed(rpm)?;
                     self.lines.word("M3");
                 }
             }
@@ -146,17 +165,16 @@ impl Writer<'_> {
         self.lines.end()
     }
 
-    /// A shop's own lines change the tool. Behind them, the modes are set again.
+    /// A shop's own lines change the tool.
     fn own_tool_change(&mut self) -> Result<(), WriteError> {
         self.lines.custom(&self.job.program.custom.tool_change)?;
-        self.motion = None;
-        let again = |frame: &&Frame| {
-            matches!(
-                frame,
-                Frame::Text(_) | Frame::ByUnits { .. } | Frame::Blending { .. } | Frame::WorkOffset
-            )
-        };
-        self.iso.start.iter().filter(again).try_for_each(|frame| self.frame(*frame))
+        self.modes()
+    }
+
+    fn speed(&mut self, rpm: f64) -> Result<(), WriteError> {
+        let speed = words::spindle(rpm, &self.job.dialect.numbers)?;
+        self.lines.number("S", speed.digits, speed.decimals);
+        Ok(())
     }
 
     fn work_offset(&mut self) -> Result<(), WriteError> {
@@ -188,7 +206,7 @@ impl Writer<'_> {
 
     /// Adds words, with numbers for `{tool}`, `{offset}` and `{Z0}`.
     fn template(&mut self, text: &str) {
-        let (tool, offset) = tool_of(self.job);
+        let (tool, offset) = self.job.tool_numbers();
         let zero = words::fixed(0, self.job.program.resolution.decimals);
         let filled = text
             .replace("{tool}", &tool.to_string())

@@ -7,17 +7,18 @@
 //! HEIDENHAIN, *User's Manual iTNC 530 Conversational Programming* and *TNC 640 Klartext Programming*.
 
 use super::lines::{Lines, Numbering, Written};
-use super::{program_number, remarks, tool_of};
+use super::{program_number, remarks};
 use crate::block::{AxisWords, Block, BlockFeed};
 use crate::dialect::{Comment, Dialect, TipControl};
 use crate::header::Remark;
 use crate::posed::VECTOR_DECIMALS;
+use crate::sequence::Part;
 use crate::smoothing::{in_force, tolerance};
 use crate::words::{self, AXES, FeedWord};
 use crate::{ProgramJob, WriteError, blank};
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
-use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::cutting::{Coolant, Cutting};
 use toolpathd_core::toolpath::program::{SafeHome, Smoothing, SmoothingMode, Units};
 
 const COMMENT: Comment = Comment { open: "; ", separator: " = ", close: "" };
@@ -28,7 +29,8 @@ const HELIX_DECIMALS: u8 = 4;
 const NUMBERING: Numbering = Numbering { prefix: "", first: 0, step: 1, max: u32::MAX };
 
 /// The text of a whole program; see [`super::text`].
-pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<Written, WriteError> {
+pub fn text(first: &Part, later: &[Part]) -> Result<Written, WriteError> {
+    let (job, blocks) = (&first.operation.job, &first.lowered.blocks);
     let mut writer = Writer {
         job,
         lines: Lines::new(job.dialect, Some(NUMBERING), blocks.len()),
@@ -39,9 +41,11 @@ pub fn text(blocks: &[Block], remarks: &[Remark], job: &ProgramJob) -> Result<Wr
         feed: None,
         tip_control_off: None,
     };
-    writer.begin(remarks)?;
-    for block in blocks {
-        writer.block(block)?;
+    writer.begin(&first.remarks)?;
+    blocks.iter().try_for_each(|block| writer.block(block))?;
+    for part in later {
+        writer.operation(part)?;
+        part.lowered.blocks.iter().try_for_each(|block| writer.block(block))?;
     }
     writer.end()
 }
@@ -68,7 +72,7 @@ enum Feed {
     OfTurns(FeedWord),
 }
 
-impl Writer<'_> {
+impl<'a> Writer<'a> {
     fn name(&self) -> Result<String, WriteError> {
         let units = match self.job.program.resolution.units {
             Units::Mm => "MM",
@@ -90,13 +94,22 @@ impl Writer<'_> {
         self.preset()?;
         self.safe_home()?;
         self.lines.custom(&custom.tool_change)?;
-        let has_own_change = !custom.tool_change.is_empty();
-        if !has_own_change {
-            self.lines.word(&format!("TOOL CALL {} Z", tool_of(job).0));
+        self.tool_call(custom.tool_change.is_empty())?;
+        if job.cutting.coolant == Coolant::Flood {
+            self.lines.line("M8")?;
+        }
+        self.smoothing()
+    }
+
+    /// Calls the tool, if it is to be called, and starts the spindle.
+    fn tool_call(&mut self, with_tool: bool) -> Result<(), WriteError> {
+        let job = self.job;
+        if with_tool {
+            self.lines.word(&format!("TOOL CALL {} Z", job.tool_numbers().0));
         }
         if let Some(rpm) = job.cutting.spindle_rpm {
             let speed = words::spindle(rpm, &job.dialect.numbers)?;
-            if has_own_change {
+            if !with_tool {
                 // The speed alone.
                 self.lines.word("TOOL CALL Z");
             }
@@ -104,11 +117,40 @@ impl Writer<'_> {
             self.lines.end()?;
             self.lines.word("M3");
         }
-        self.lines.end()?;
-        if job.cutting.coolant == Coolant::Flood {
-            self.lines.line("M8")?;
+        self.lines.end()
+    }
+
+    /// Ends an operation and begins the next one.
+    fn operation(&mut self, part: &'a Part<'a>) -> Result<(), WriteError> {
+        let (change, before) = (part.change, self.job.cutting);
+        if change.leaves() {
+            self.safe_home()?;
+            (self.at, self.is_off_grid) = ([None; 3], [false; 3]);
+            (self.center, self.feed) = (None, None);
         }
-        self.smoothing()
+        if change.tool {
+            self.lines.line("M5")?;
+            self.lines.line("M9")?;
+        }
+        self.job = &part.operation.job;
+        for remark in &part.remarks {
+            remarks::write(&mut self.lines, self.job.dialect, &COMMENT, remark)?;
+        }
+        if change.work_offset {
+            self.preset()?;
+        }
+        let Cutting { spindle_rpm, coolant, .. } = *self.job.cutting;
+        if change.tool || spindle_rpm != before.spindle_rpm && spindle_rpm.is_some() {
+            self.tool_call(change.tool)?;
+        } else if spindle_rpm != before.spindle_rpm {
+            self.lines.line("M5")?;
+        }
+        let is_on = !change.tool && before.coolant == Coolant::Flood;
+        match (is_on, coolant == Coolant::Flood) {
+            (false, true) => self.lines.line("M8"),
+            (true, false) => self.lines.line("M9"),
+            _ => Ok(()),
+        }
     }
 
     /// The lowest and the highest corner of the raw part.

@@ -58,9 +58,12 @@ impl Example {
     /// The body for the dialects that can write its program.
     fn in_dialects(&self) -> impl Iterator<Item = (&'static Dialect, String)> {
         let leans = self.path.contains("five-axis") || self.name.contains("leaning");
+        // The example of several operations has two tools, and a tool that goes on at another work offset.
+        let has_several = self.body.get("further_operations").is_some();
         let all = DIALECTS.iter().copied();
         let able = all.filter(move |dialect| {
-            !leans || dialect.five_axes.has_positions || dialect.five_axes.angles.is_some()
+            (!leans || dialect.five_axes.has_positions || dialect.five_axes.angles.is_some())
+                && (!has_several || dialect.changes_tools() && dialect.abilities.safe_homes.len() > 1)
         });
         able.map(|dialect| (dialect, for_dialect(self.body.clone(), dialect).to_string()))
     }

@@ -3,6 +3,7 @@
 use super::super::state::{FIRST_WORK_OFFSET, Spindle, count};
 use super::words::Words;
 use super::{Reader, WORK_OFFSETS};
+use crate::nc::Modal;
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::cutting::Coolant;
 
@@ -16,7 +17,12 @@ impl Reader {
         let (state, Words { g, m, .. }) = (&mut self.state, words);
         let number = |letter| words.get(letter).and_then(count);
         if m.has(TOOL_CHANGE) {
-            state.tool = number('T');
+            if self.is_strict && state.tool.is_some() {
+                // The change may run a program of its own, which leaves other modes.
+                self.modal = Modal::UNKNOWN;
+                (state.work_offset, state.length_offset) = (None, None);
+            }
+            state.change_tool(number('T'));
         }
         if let Some(speed) = words.get('S') {
             state.speed_rpm = Some(speed);

@@ -51,7 +51,11 @@ impl Reader<'_> {
             // Number 0 stands for no tool.
             self.has_tool = tool > 0;
             self.at[2] = None;
-            self.state.tool = Some(tool);
+            if self.is_strict && self.state.tool.is_some() {
+                // The change may run a program of its own.
+                (self.at, self.feed) = ([None; 3], None);
+            }
+            self.state.change_tool(Some(tool));
         }
         Ok(None)
     }

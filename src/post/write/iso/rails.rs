@@ -28,7 +28,7 @@ impl Writer<'_> {
     /// The ends of the polynomials and the coefficients of their powers from 2 on, for a parameter from 0 to
     /// 1.
     pub(super) fn rail(&mut self, index: usize) {
-        let RailWords { to, second, powers, feed } = self.rails[index];
+        let RailWords { to, second, powers, feed } = self.part.lowered.rails[index];
         self.motion("POLY");
         let decimals = self.job.program.resolution.decimals;
         for axis in 0..3 {

@@ -75,6 +75,15 @@ fn setup(cut: &Cut) -> Vec<String> {
     lines
 }
 
+/// One operation of several in one line: tool, work offset, spindle and coolant.
+pub fn operation_line(tool: Option<&Tool>, program: &Program, cutting: &Cutting) -> String {
+    let tool = tool.map(|tool| format!("T{} {} {} mm", tool.places().0, shape(tool).0, 2.0 * tool.radius_mm));
+    let offset = program.work_offset.map(|number| format!("G{number}"));
+    let [driving, ..] = driving_lines(cutting);
+    let parts = tool.into_iter().chain(offset).chain([driving]);
+    parts.collect::<Vec<_>>().join(", ")
+}
+
 fn program_line(program: &Program, dialect: &str) -> String {
     let name = program.name.as_ref().map_or(String::new(), |name| format!(" \"{name}\""));
     let units = match program.resolution.units {
@@ -91,14 +100,19 @@ fn offset_line(program: &Program) -> String {
     }
 }
 
-fn tool_line(tool: &Tool) -> String {
-    let (shape, corner) = match tool.shape {
+/// The name of a cutter's shape, and what else tells its shape.
+fn shape(tool: &Tool) -> (&'static str, String) {
+    match tool.shape {
         Shape::Ball => ("ball", String::new()),
         Shape::Flat => ("flat", String::new()),
         Shape::BullNose { corner_radius_mm } => {
             ("bull nose", format!(", corner radius {corner_radius_mm} mm"))
         }
-    };
+    }
+}
+
+fn tool_line(tool: &Tool) -> String {
+    let (shape, corner) = shape(tool);
     let (number, length_offset) = tool.places();
     format!("tool T{number} H{length_offset}: {shape}, diameter {} mm{corner}", 2.0 * tool.radius_mm)
 }

@@ -47,7 +47,7 @@ pub struct Program {
     /// active offset, and the answer warns. On Heidenhain G54 to G59 are the rows 1 to 6 of the table of
     /// presets.
     work_offset: Option<WorkOffset>,
-    /// How the tool moves up along Z before the tool change and before the end of the program. `g28`: to the
+    /// How the tool moves up along Z before each tool change and before the end of the program. `g28`: to the
     /// reference point. `g53`: to zero of the machine's coordinates. `none`: the tool is changed where it
     /// stands, and the program ends at the clearance plane.
     #[serde(default)]

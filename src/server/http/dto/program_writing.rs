@@ -1,14 +1,19 @@
 //! The request to write the program of a toolpath, its conversion to a job, and the report.
 
+mod further;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use self::further::Before;
+pub use self::further::{FurtherOperation, Operation};
 use super::axis_output::AxisSetup;
 use super::check::Violations;
 use super::cutting::Cutting;
 use super::five_axis::SentMachine;
 use super::meta::{Meta, MetaTexts};
 use super::program::Program;
+use super::schema::{array_of, reference, schema_of};
 use super::sent_toolpath::{Read, ReadSettings, SentToolpath};
 use super::setup::{JobWithSetup, SentSetup, Setup};
 use super::tool::Tool;
@@ -24,7 +29,7 @@ use toolpathd_core::toolpath::cutting::{self, CLEARANCE_ABOVE_TOP_MM, Caution, C
 use toolpathd_core::toolpath::path::{Move, Role};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{measure, program};
-use toolpathd_post::{AxisOutput, NcProgram};
+use toolpathd_post::{AxisOutput, Dialect, NcProgram};
 
 /// How far the radii at the start and at the end of an arc may differ, in units of the last decimal. Rounding
 /// the points of an exact arc makes its radii differ by about this much.
@@ -57,28 +62,47 @@ pub struct WriteRequest {
     /// given, as `vectors` where the dialect can and there is no `machine`, else as `machine`. A toolpath
     /// whose axis is straight up needs neither.
     axis_output: Option<AxisOutput>,
+    /// Operations that follow in the same program, in order. Between two operations of different tools or
+    /// work offsets the tool moves to the `safe_home`, which has to be another than `none` where the dialect
+    /// has one. Between two tools, spindle and coolant stop, and the program changes the tool. An operation
+    /// of the same tool at the same offset goes on over the higher one of both clearance planes. Default:
+    /// none. The dialect `deckel` has one operation to a program, and `grbl` one tool.
+    #[serde(default, deserialize_with = "object::optional_list")]
+    #[schema(value_type = Option<FurtherOperations>)]
+    further_operations: Option<Vec<FurtherOperation>>,
     /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer,
     /// the header of the program and the sheet repeat the texts.
     #[schema(value_type = Option<MetaTexts>)]
     meta: Option<Meta>,
 }
 
+schema_of!(FurtherOperations of FurtherOperation, "Operations that follow the first one.", {
+    array_of(reference::<FurtherOperation>(), 0, further::MOST)
+});
+
 /// The job of writing a program.
 #[derive(Debug)]
 pub struct Writing {
-    pub toolpath: core::Toolpath,
-    /// Upper bound for the distance between the arcs in the request and the exact arcs in `toolpath`, mm.
-    pub moved_mm: f64,
-    /// The caution that the service chose the clearance plane. `None` where the request has one.
-    pub caution: Option<Caution>,
-    pub cutting: cutting::Cutting,
+    pub first: Operation,
+    pub further: Vec<Operation>,
+}
+
+impl Writing {
+    pub fn operations(&self) -> impl Iterator<Item = &Operation> {
+        std::iter::once(&self.first).chain(&self.further)
+    }
+
+    /// Upper bound for the distance between the arcs in the request and the exact arcs, mm.
+    pub fn moved_mm(&self) -> f64 {
+        self.operations().map(|operation| operation.moved_mm).fold(0.0, f64::max)
+    }
 }
 
 impl IntoJob for WriteRequest {
     type Job = JobWithSetup<Writing>;
 
     fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
-        let Self { toolpath, program, cutting, tool, machine, axis_output, meta } = self;
+        let Self { toolpath, program, cutting, tool, machine, axis_output, further_operations, meta } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
 
@@ -99,19 +123,59 @@ impl IntoJob for WriteRequest {
             setup.five_axes =
                 AxisSetup::choose(axis_output, machine, setup.dialect, allowed, &mut violations);
         }
-        let (cutting, caution) = conditions(&toolpath, request, &mut violations);
+        let (cutting, caution) = conditions(&toolpath, request, &root, &mut violations);
+        let further = further_operations.unwrap_or_default();
+        if !further.is_empty() && setup.five_axes.is_some() {
+            let detail = "a program whose tool leans or turns, or with `machine` or `axis_output`, has one operation: send each toolpath alone";
+            violations.add(&root.field("further_operations"), FieldCode::Conflict, detail);
+        }
+        let before = Before { tool: setup.tool, request, program: setup.program.clone() };
+        let n_moves = toolpath.moves().count();
+        let further = converted(further, (before, setup.dialect), n_moves, limits, &mut violations);
         violations.result()?;
-        let job = Writing { toolpath, moved_mm, caution, cutting };
-        Ok(JobWithSetup { job, setup, meta })
+        let (tool, program) = (setup.tool, setup.program.clone());
+        let first = Operation { name: None, toolpath, moved_mm, caution, cutting, tool, program };
+        Ok(JobWithSetup { job: Writing { first, further }, setup, meta })
     }
+}
+
+/// The operations that follow a toolpath of `n_moves` moves. Those with violations are left out.
+fn converted(
+    further: Vec<FurtherOperation>,
+    (mut before, dialect): (Before, &'static Dialect),
+    n_moves: usize,
+    limits: &Limits,
+    violations: &mut Violations,
+) -> Vec<Operation> {
+    let at = Pointer::root().field("further_operations");
+    if further.len() > further::MOST {
+        let detail = format!("{} operations are too many; send at most {}", further.len(), further::MOST);
+        violations.add(&at, FieldCode::TooLong, detail);
+        return Vec::new();
+    }
+    let n_moves = n_moves + further.iter().map(FurtherOperation::n_moves).sum::<usize>();
+    if n_moves > limits.moves {
+        let most = limits.moves;
+        let detail = format!("the toolpaths have {n_moves} moves together; send at most {most}");
+        violations.add(&at, FieldCode::LimitExceeded, detail);
+        return Vec::new();
+    }
+    let mut operations = Vec::with_capacity(further.len());
+    for (k, sent) in further.into_iter().enumerate() {
+        let (operation, after) = sent.convert(&at.index(k), (before, dialect), limits.moves, violations);
+        operations.extend(operation);
+        before = after;
+    }
+    operations
 }
 
 /// The cutting conditions for a toolpath that is planned already. The clearance plane must be above all
 /// cutting moves, so that a program neither begins nor ends at a height where it cuts. There is a caution
-/// where `request` does not give the clearance plane.
+/// where `request` does not give the clearance plane. `at` is the object whose member `cutting` is.
 pub fn conditions(
     toolpath: &core::Toolpath,
     request: Option<CuttingRequest>,
+    at: &Pointer,
     violations: &mut Violations,
 ) -> (cutting::Cutting, Option<Caution>) {
     let request = request.unwrap_or_else(|| CuttingRequest::at_feed(first_feed(toolpath)));
@@ -122,7 +186,7 @@ pub fn conditions(
     let given = [("clearance_z_mm", request.clearance_z_mm), ("retract_z_mm", request.retract_z_mm)];
     for (field, height_mm) in given {
         if let Some(height_mm) = height_mm.filter(|height_mm| *height_mm <= top_mm) {
-            let at = Pointer::root().field("cutting").field(field);
+            let at = at.field("cutting").field(field);
             let detail = format!(
                 "`{field}` is {height_mm} mm, and the highest cut of the toolpath is at z = {top_mm} mm: send a height above {top_mm} mm"
             );
@@ -197,9 +261,9 @@ impl WriteReport {
     pub fn new(job: &Writing, setup: &Setup, written: &NcProgram) -> Self {
         let program::Resolution { units, decimals } = setup.program.resolution;
         Self {
-            deviation_max_mm: written.max_displacement_mm + job.moved_mm,
+            deviation_max_mm: written.max_displacement_mm + job.moved_mm(),
             deviation_max_deg: setup.five_axes.as_ref().map(|_| written.max_displacement_axis.to_degrees()),
-            arc_adjustment_max_mm: job.moved_mm,
+            arc_adjustment_max_mm: job.moved_mm(),
             radius_mismatch_max_mm: written.max_radius_mismatch_mm,
             slowed_s: (written.slowed.blocks > 0).then_some(written.slowed.by_s),
             n_blocks: written.blocks,

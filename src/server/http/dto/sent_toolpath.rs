@@ -59,11 +59,15 @@ pub struct Read {
 }
 
 impl SentToolpath {
+    pub fn n_moves(&self) -> usize {
+        self.passes.iter().map(|pass| pass.moves.len()).sum()
+    }
+
     /// The toolpath. `None` where it has violations, which `violations` then holds.
     pub fn convert(self, at: &Pointer, reading: &ReadSettings, violations: &mut Violations) -> Option<Read> {
+        let moves = self.n_moves();
         let Self { start, passes } = self;
         let at_passes = at.field("passes");
-        let moves: usize = passes.iter().map(|pass| pass.moves.len()).sum();
         if moves > reading.max_moves {
             let detail = format!("the toolpath has {moves} moves; send at most {}", reading.max_moves);
             violations.add(&at_passes, FieldCode::LimitExceeded, detail);

@@ -8,7 +8,9 @@ use toolpathd_core::toolpath::cutting::Coolant;
 use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode};
 use toolpathd_core::toolpath::quantize::QuantizeError;
 use toolpathd_core::toolpath::units::rounded_up;
-use toolpathd_post::{CoarseFeeds, CustomFault, CustomPart, Missing, OwnSmoothing, Refused, WriteError};
+use toolpathd_post::{
+    CoarseFeeds, CustomFault, CustomPart, Missing, OwnSmoothing, Refused, Unjoinable, WriteError,
+};
 
 impl From<QuantizeError> for ApiError {
     fn from(error: QuantizeError) -> Self {
@@ -35,7 +37,22 @@ impl From<CoarseFeeds> for Warning {
 
 impl From<WriteError> for ApiError {
     fn from(error: WriteError) -> Self {
+        match error {
+            WriteError::InOperation { index, error } => {
+                Self::of_operation(*error, &format!("/further_operations/{}", index - 1))
+            }
+            error => Self::of_operation(error, ""),
+        }
+    }
+}
+
+impl ApiError {
+    /// A program that is not written. `operation` is the path of the operation at fault in the request.
+    fn of_operation(error: WriteError, operation: &str) -> Self {
         let fact = error.to_string();
+        let of_cutting = |path: &str, detail: String| {
+            violation(&member(&format!("{operation}{path}")), FieldCode::OutOfRange, detail)
+        };
         let out_of_range =
             |path: &str, detail: String| violation(&member(path), FieldCode::OutOfRange, detail);
         let unsupported =
@@ -60,14 +77,18 @@ impl From<WriteError> for ApiError {
                 let (at, detail) = smoothed_twice(&own);
                 violation(&at, FieldCode::Unsupported, detail)
             }
+            WriteError::Unjoinable(reason) => {
+                let (path, advice) = unjoinable(&reason);
+                unsupported(path, format!("{fact}; {advice}"))
+            }
             WriteError::SmallTolerance { .. } => out_of_range("/program/smoothing", fact),
             WriteError::NoDwells => unsupported("/program/dialect", fact),
             // Block numbers and decimals make lines long.
             WriteError::LineTooLong { .. } => out_of_range("/program/decimals", fact),
-            WriteError::SpindleSpeed { .. } => out_of_range("/cutting/spindle_rpm", fact),
+            WriteError::SpindleSpeed { .. } => of_cutting("/cutting/spindle_rpm", fact),
             WriteError::FeedMissing => Self::new(Code::FeedRequired, fact),
             // Any feed of `cutting` may be at fault, also a plunge feed that is half of `feed_mm_per_min`.
-            WriteError::Feed { .. } => out_of_range("/cutting", fact),
+            WriteError::Feed { .. } => of_cutting("/cutting", fact),
             WriteError::MachineMissing => {
                 let advice = "send `machine`, or `axis_output: vectors` in a dialect that has vectors";
                 violation(&member("/machine"), FieldCode::MissingField, format!("{fact}; {advice}"))
@@ -82,8 +103,39 @@ impl From<WriteError> for ApiError {
             WriteError::TooManyBlocks { .. } => Self::new(Code::LimitExceeded, fact),
             WriteError::Dwell { .. } => out_of_range("/program/dialect", fact),
             // These are faults of the service.
-            WriteError::Unreadable(_) | WriteError::Differs { .. } => Self::new(Code::InternalError, fact),
+            WriteError::Unreadable(_) | WriteError::Differs { .. } | WriteError::InOperation { .. } => {
+                Self::new(Code::InternalError, fact)
+            }
         }
+    }
+}
+
+/// The member of a request by which operations cannot stand in one program, and what to do.
+fn unjoinable(reason: &Unjoinable) -> (&'static str, &'static str) {
+    const FURTHER: &str = "/further_operations";
+    match reason {
+        Unjoinable::Nothing | Unjoinable::Programs | Unjoinable::Leaning => {
+            (FURTHER, "send each toolpath in a request of its own")
+        }
+        Unjoinable::Several { .. } => {
+            (FURTHER, "send each toolpath in a request of its own, or choose another dialect")
+        }
+        Unjoinable::ToolChange { .. } => {
+            (FURTHER, "send the operations of each tool in a request of their own, or choose another dialect")
+        }
+        Unjoinable::OwnToolChange => (
+            "/program/custom/tool_change",
+            "leave `tool_change` out, or send each tool in a request of its own",
+        ),
+        Unjoinable::TwoTools { .. } => (FURTHER, "send another `number` for each tool"),
+        Unjoinable::LengthOffsets { .. } => (FURTHER, "send the same `length_offset`, or none"),
+        Unjoinable::NoSafeHome { has_homes: true } => {
+            ("/program/safe_home", "send a `safe_home` other than `none`")
+        }
+        Unjoinable::NoSafeHome { has_homes: false } => (
+            FURTHER,
+            "the dialect has no word for a safe home: send each work offset in a request of its own",
+        ),
     }
 }
 

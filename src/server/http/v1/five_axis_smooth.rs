@@ -13,6 +13,7 @@ use crate::http::dto::five_axis::{
 use crate::http::dto::program_writing::conditions;
 use crate::http::error::ApiError;
 use crate::http::messages::{self, Warning};
+use crate::http::pointer::Pointer;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Form, Offers, Toolpaths, Wanted};
 use crate::http::request::representation::Representation;
@@ -110,7 +111,8 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Repor
     let Plan { report, samples, period_s: _, toolpath, warnings } = plan;
     let mut warnings: Vec<Warning> = warnings.iter().map(Warning::from).chain(text.left_alone).collect();
     let mut violations = Violations::default();
-    let conditions = (has_program || shown.program).then(|| conditions(&toolpath, cutting, &mut violations));
+    let conditions = (has_program || shown.program)
+        .then(|| conditions(&toolpath, cutting, &Pointer::root(), &mut violations));
     violations.result()?;
     let cutting = conditions.map(|(mut cutting, caution)| {
         cutting.spindle_rpm = cutting.spindle_rpm.or(text.spindle_rpm);

@@ -7,13 +7,15 @@ use crate::http::answer::{Computing, Cut, Outcome, answer, sheet};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::axis_output::AxisSetup;
 use crate::http::dto::meta;
-use crate::http::dto::program_writing::{WriteReport, WriteRequest, Writing};
+use crate::http::dto::program_writing::{Operation, WriteReport, WriteRequest, Writing};
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::error::ApiError;
 use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Programs, Wanted};
 use toolpathd_core::budget::Budget;
+use toolpathd_core::toolpath::Toolpath;
+use toolpathd_core::toolpath::cutting::Caution;
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
 use toolpathd_post::ProgramJob;
@@ -37,30 +39,38 @@ pub async fn write_program(
 
 fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteReport, Cut>, ApiError> {
     let JobWithSetup { job, setup, meta } = job;
-    let comments: Vec<String> = meta::notes(meta.as_ref()).chain(adjusted(job.moved_mm)).collect();
-    let warnings: Vec<Warning> = job.caution.map(Warning::from).into_iter().collect();
-    let cautions = job.cutting.cautions(setup.tool.as_ref(), &setup.program);
-    let told: Vec<Warning> =
-        warnings.iter().cloned().chain(cautions.into_iter().map(Warning::from)).collect();
-    let program_job = ProgramJob {
-        program: &setup.program,
-        tool: setup.tool.as_ref(),
-        cutting: &job.cutting,
-        dialect: setup.dialect,
-        comments: &comments,
-        warnings: &sheet::told(&told),
-        five_axes: setup.five_axes.as_ref().map(AxisSetup::five_axes),
-        called: setup.called,
-    };
-    let written = toolpathd_post::write(&job.toolpath, &program_job, budget)?;
+    let comments: Vec<String> = meta::notes(meta.as_ref()).chain(adjusted(job.moved_mm())).collect();
+    let warnings: Vec<Vec<Warning>> = cautions(&job);
+    let told: Vec<Vec<String>> = warnings.iter().map(|own| sheet::told(own)).collect();
+    let operations: Vec<toolpathd_post::Operation> = job
+        .operations()
+        .zip(&told)
+        .enumerate()
+        .map(|(k, (operation, warnings))| toolpathd_post::Operation {
+            name: operation.name.as_deref(),
+            toolpath: &operation.toolpath,
+            job: ProgramJob {
+                program: &operation.program,
+                tool: operation.tool.as_ref(),
+                cutting: &operation.cutting,
+                dialect: setup.dialect,
+                comments: if k == 0 { &comments } else { &[] },
+                warnings,
+                five_axes: setup.five_axes.as_ref().map(AxisSetup::five_axes),
+                called: setup.called,
+            },
+        })
+        .collect();
+    let written = toolpathd_post::write_all(&operations, budget)?;
     let report = WriteReport::new(&job, &setup, &written);
-    let Writing { toolpath, moved_mm: _, caution: _, cutting } = job;
-    let (cutting, nc) = (Some(cutting), Some(written.text));
+    let warnings = in_answer(&job, warnings);
+    let comments = further_lines(&job);
+    let (cutting, nc) = (Some(job.first.cutting), Some(written.text));
     Ok(Outcome {
         meta,
         warnings,
         report,
-        product: Cut { toolpath, cutting, setup, comments: Vec::new(), nc },
+        product: Cut { toolpath: whole(job), cutting, setup, comments, nc },
         drawing: Box::new(Drawing::default),
     })
 }
@@ -68,4 +78,53 @@ fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteRep
 /// The header's line about arcs that were moved to become exact. `None` where no arc was moved.
 fn adjusted(moved_mm: f64) -> Option<String> {
     (moved_mm > 0.0).then(|| format!("ARCS WERE MADE EXACT WITHIN {:.4} MM", rounded_up(moved_mm)))
+}
+
+/// The warnings about each operation. What holds for the first one is not told again.
+fn cautions(job: &Writing) -> Vec<Vec<Warning>> {
+    let of = |operation: &Operation| {
+        let cautions = operation.cutting.cautions(operation.tool.as_ref(), &operation.program);
+        operation.caution.into_iter().chain(cautions).collect::<Vec<Caution>>()
+    };
+    let first = of(&job.first);
+    let further = job.further.iter().map(of);
+    let fresh = further.map(|own| own.into_iter().filter(|one| !first.contains(one)).collect());
+    let all: Vec<Vec<Caution>> = std::iter::once(first.clone()).chain(fresh).collect();
+    all.into_iter().map(|own| own.into_iter().map(Warning::from).collect()).collect()
+}
+
+/// The warnings of the answer, but for those that every answer with the conditions of the first operation
+/// has.
+fn in_answer(job: &Writing, warnings: Vec<Vec<Warning>>) -> Vec<Warning> {
+    let first = job.first.caution.map(Warning::from);
+    let further = warnings.into_iter().enumerate().skip(1).flat_map(|(k, own)| {
+        own.into_iter().map(move |Warning { code, detail }| Warning {
+            code,
+            detail: format!("operation {} of the program: {detail}", k + 1),
+        })
+    });
+    first.into_iter().chain(further).collect()
+}
+
+/// A line of a sheet for each operation behind the first one, of which every sheet tells. The name comes
+/// last: a sheet has no room for a long one.
+fn further_lines(job: &Writing) -> Vec<String> {
+    let n = 1 + job.further.len();
+    let line = |(k, operation): (usize, &Operation)| {
+        let Operation { name, tool, program, cutting, .. } = operation;
+        let name = name.as_ref().map_or(String::new(), |name| format!(" - {name}"));
+        format!("{} of {n}: {}{name}", k + 2, sheet::operation_line(tool.as_ref(), program, cutting))
+    };
+    job.further.iter().enumerate().map(line).collect()
+}
+
+/// All toolpaths as one. Between two of them the tool goes over the higher one of both clearance planes.
+fn whole(job: Writing) -> Toolpath {
+    let Writing { first, further } = job;
+    let mut clearance_mm = first.cutting.clearance_z_mm;
+    further.into_iter().fold(first.toolpath, |before, operation| {
+        let over_mm = clearance_mm.max(operation.cutting.clearance_z_mm);
+        clearance_mm = operation.cutting.clearance_z_mm;
+        before.then(operation.toolpath, over_mm)
+    })
 }

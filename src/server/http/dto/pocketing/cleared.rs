@@ -102,9 +102,23 @@ fn feed_moves(
     violations: &mut Violations,
 ) -> Option<Vec<Curve>> {
     let mut moves = Vec::new();
-    for placed in Reader::new(nc, dialect, RADII_MM) {
+    let mut program = Reader::new(nc, dialect, RADII_MM);
+    let mut first = None;
+    while let Some(placed) = program.next() {
         match placed.map(|placed| placed.step) {
-            Ok(Step::Feed { along, .. }) => moves.push(along),
+            Ok(Step::Feed { along, .. }) => {
+                let state = program.state();
+                let own = (state.tool, state.work_offset);
+                if *first.get_or_insert(own) != own {
+                    let detail = format!(
+                        "line {}: another tool or work offset than the cuts before; send the part of each tool and offset as a program of its own",
+                        program.line()
+                    );
+                    violations.add(at, FieldCode::Unsupported, detail);
+                    return None;
+                }
+                moves.push(along);
+            }
             Ok(_) => {}
             Err(error) => {
                 violations.add(at, FieldCode::Syntax, error.to_string());

@@ -2,8 +2,8 @@
 //!
 //! * Another tool: the tool goes up to the safe home, spindle and coolant stop, the control changes the tool,
 //!   all modes are stated again, and spindle and coolant start.
-//! * The same tool and another work offset: the tool goes up to the safe home, because nothing is known of
-//!   heights between two offsets.
+//! * The same tool and another work offset: the tool goes up to the safe home, because the difference in
+//!   height between the two offsets is unknown.
 //! * The same tool and offset: the tool goes up to the higher one of both clearance planes, and spindle and
 //!   coolant change only where the operations differ.
 
@@ -45,7 +45,8 @@ pub struct Change {
 }
 
 impl Change {
-    /// Whether the tool has left the part, so that nothing is known of its position.
+    /// Whether the tool or the work offset changes. The tool then leaves the part before the operation, and
+    /// the operation starts at an unknown position of the tool.
     pub fn leaves(self) -> bool {
         self.tool || self.work_offset
     }

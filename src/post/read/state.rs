@@ -40,7 +40,8 @@ impl MachineState {
         self.tool = tool;
     }
 
-    /// What is known after a shop's own lines, which are not read: how often the tool has moved home.
+    /// The state after a shop's own lines, which the reader skips. The counts `homes` and `bad_changes` stay.
+    /// All other fields return to their defaults, as at the start of a program.
     pub fn behind_own_lines(self) -> Self {
         Self { homes: self.homes, bad_changes: self.bad_changes, ..Self::default() }
     }

@@ -1,4 +1,5 @@
-//! Several operations in one program: what is written, and what is refused.
+//! Tests of writing several operations as one program: the program, its report and its sheet, and the refusal
+//! of illegal requests.
 
 use serde_json::{Value, json};
 

@@ -32,7 +32,8 @@ const MOST_AT_MEAN: usize = 50_000_000;
 /// Nodes on each side of a point.
 const BESIDE: i32 = 6;
 
-/// What is known about the points of one window before joints beside them are searched.
+/// The input of [`fewest_free`]: the points of one window, and the chain with the fewest elements that was
+/// found so far.
 pub struct Known<'a> {
     pub points: Points<'a>,
     /// A chain whose joints lie on points.

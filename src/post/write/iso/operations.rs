@@ -58,7 +58,8 @@ impl<'a> Writer<'a> {
         if change.tool { Ok(()) } else { self.conditions(before) }
     }
 
-    /// The speed and the coolant of an operation, where those of the operation before are other ones.
+    /// Writes the spindle speed and the coolant of the operation, each only if it differs from its value in
+    /// `before`. `before` holds the conditions of the operation before.
     fn conditions(&mut self, before: &Cutting) -> Result<(), WriteError> {
         let Cutting { spindle_rpm, coolant, .. } = *self.job.cutting;
         if spindle_rpm != before.spindle_rpm {

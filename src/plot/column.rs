@@ -81,6 +81,11 @@ fn legend(scene: &Scene, used: &[Class], projection: Projection) -> (String, f64
         entry(&|y| marks::datum(middle(y)), "zero");
         entry(&|y| marks::start(middle(y)), "start");
         entry(&|y| marks::cross(middle(y)), "end");
+        let is_drilled =
+            scene.toolpath.is_some_and(|path| path.passes().iter().any(|pass| !pass.cycles().is_empty()));
+        if projection == Projection::FirstAngle && is_drilled {
+            entry(&|y| marks::hole(middle(y)), "hole");
+        }
         let cuts = [Class::CutLine, Class::CutArc, Class::CutParabola];
         if projection == Projection::FirstAngle && cuts.iter().any(|class| used.contains(class)) {
             entry(&|y| marks::arrow(middle(y), Vector2::x()), "direction of the cut");

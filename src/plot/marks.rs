@@ -1,4 +1,4 @@
-//! Marks on a path: its start, its end, and its direction.
+//! Marks on a path: its start, its end, its direction and its holes.
 
 use nalgebra::{Point2, Point3, Vector2};
 
@@ -6,22 +6,25 @@ use super::number::fixed;
 use super::view::View;
 use super::{Scene, class};
 use toolpathd_core::geometry::curve::Curve;
-use toolpathd_core::toolpath::{Move, Role, Toolpath};
+use toolpathd_core::toolpath::{Move, Pass, Role, Toolpath};
 
 /// Least distance between arrows along the path, mm of paper.
 const ARROW_SPACING_MM: f64 = 40.0;
 /// Least area of the plan for each arrow, mm2 of paper.
 const ARROW_AREA_MM2: f64 = 600.0;
 const MOST_ARROWS: f64 = 16.0;
+/// Most holes that are marked. More would cover each other.
+const MOST_HOLES: usize = 2_000;
 
-/// The marks of zero, start and end, and in the plan arrows. The other views have no arrows, because passes
-/// lie on top of each other there.
+/// The marks of zero, start and end, and in the plan arrows and holes. The other views have no arrows,
+/// because passes lie on top of each other there.
 pub fn draw(scene: &Scene, view: &View) -> String {
     let Some(toolpath) = scene.toolpath else { return String::new() };
     let last = toolpath.moves().filter_map(class::of).last();
     let end = last.map_or(toolpath.start(), |(_, curve)| curve.end());
-    let arrows = if view.axes == [0, 1] { arrows(toolpath, view) } else { String::new() };
-    datum_in(view) + &arrows + &start(view.project(&toolpath.start())) + &cross(view.project(&end))
+    let of_plan = || arrows(toolpath, view) + &holes(toolpath, view);
+    let of_plan = if view.axes == [0, 1] { of_plan() } else { String::new() };
+    datum_in(view) + &of_plan + &start(view.project(&toolpath.start())) + &cross(view.project(&end))
 }
 
 /// The mark of the coordinates' zero, if the zero is inside the view.
@@ -53,6 +56,21 @@ pub fn cross(at: Point2<f64>) -> String {
         fixed(at.x - 0.75),
         fixed(at.y - 0.75)
     )
+}
+
+/// The marks of the holes of canned cycles, which the plan sees from above.
+fn holes(toolpath: &Toolpath, view: &View) -> String {
+    let places = || toolpath.passes().iter().flat_map(Pass::cycles).flat_map(|cycle| &cycle.places);
+    if places().take(MOST_HOLES + 1).count() > MOST_HOLES {
+        return String::new();
+    }
+    places().map(|place| hole(view.project(&Point3::new(place.x, place.y, 0.0)))).collect()
+}
+
+/// The mark of a hole: an upright cross.
+pub fn hole(at: Point2<f64>) -> String {
+    let (x, y) = (fixed(at.x - 1.0), fixed(at.y));
+    format!("<path d=\"M{x} {y}h2m-1 -1v2\"/>\n")
 }
 
 /// An arrow whose middle is at `at`.

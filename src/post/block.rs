@@ -44,6 +44,16 @@ pub enum Block {
     Dwell {
         milliseconds: u64,
     },
+    /// Begins a canned cycle, by its index.
+    BeginCycle {
+        index: u32,
+    },
+    /// One hole of the canned cycle: across, and then all that the cycle does there.
+    Hole {
+        to: [i64; 2],
+        index: u32,
+    },
+    EndCycle,
     /// A rapid to or from the place where the machine rests between programs.
     Park {
         to: [Option<i64>; 3],
@@ -78,6 +88,13 @@ pub enum Block {
     EndRails,
     /// Ends the modes of leaning tools.
     EndPosed,
+}
+
+impl Block {
+    /// Whether the block moves or pauses. The others begin or end modes.
+    pub fn acts(&self) -> bool {
+        !matches!(self, Self::BeginCycle { .. } | Self::EndCycle | Self::EndPosed | Self::EndRails)
+    }
 }
 
 /// The tool axis as it is written.

@@ -2,6 +2,7 @@
 //! and what it asks of the machine there with what the job asks for ([`asked`]).
 
 mod asked;
+mod hole;
 
 use std::ops::Range;
 
@@ -9,6 +10,7 @@ use nalgebra::Point3;
 
 use super::block::{AxisWords, Block, BlockFeed};
 use super::custom;
+use super::lower::Lowered;
 use super::posed::VECTOR_DECIMALS;
 use super::rails::{FineGrid, RailWords};
 use super::read::{Placed, Posed, PosedFeed, ROTARY, RailStep, Reader, Step, TipMode};
@@ -125,11 +127,9 @@ fn read_operation(
     grid: &Grid,
     budget: &Budget,
 ) -> Result<f64, WriteError> {
-    let (job, rails) = (&part.operation.job, &part.lowered.rails);
-    // A block that ends modes moves nothing.
-    let is_read = |block: &&Block| !matches!(block, Block::EndPosed | Block::EndRails);
+    let (job, lowered) = (&part.operation.job, &part.lowered);
     let mut largest_mismatch: f64 = 0.0;
-    for (k, block) in part.lowered.blocks.iter().filter(is_read).enumerate() {
+    for (k, block) in lowered.blocks.iter().filter(|block| block.acts()).enumerate() {
         if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
             budget.check()?;
         }
@@ -138,7 +138,7 @@ fn read_operation(
         };
         let placed = placed?;
         let line = placed.line;
-        if let Some(what) = difference(block, rails, place, &placed, job, grid) {
+        if let Some(what) = difference(block, lowered, place, &placed, job, grid) {
             return Err(WriteError::Differs { line, what });
         }
         if let Some(what) = asked::difference(steps, block, job, homes)? {
@@ -158,13 +158,13 @@ fn read_operation(
 /// is where the block starts, and afterwards where the block ends.
 fn difference(
     block: &Block,
-    rails: &[RailWords],
+    lowered: &Lowered,
     place: &mut KnownPosition,
     placed: &Placed,
     job: &ProgramJob,
     grid: &Grid,
 ) -> Option<&'static str> {
-    let KnownPosition { at, helix_end, is_lost } = place;
+    let (Lowered { rails, cycles, .. }, KnownPosition { at, helix_end, is_lost }) = (lowered, place);
     let was_lost = *is_lost;
     // Coordinates before tip control are those of another point.
     let start = if matches!(block, Block::BeginTipControl { .. }) { [None; 3] } else { *at };
@@ -176,10 +176,15 @@ fn difference(
         | Block::Helix { to, .. }
         | Block::Posed { to, .. } => *at = to.map(Some),
         Block::Parabola { to: [x, y], .. } => *at = [Some(x), Some(y), at[2]],
+        Block::Hole { to: [x, y], index } => {
+            *at = [Some(x), Some(y), Some(cycles[index as usize].returns)];
+        }
         Block::Rail { index } => *at = rails[index as usize].to.map(Some),
         Block::Dwell { .. }
         | Block::Rotate { .. }
         | Block::BeginRails { .. }
+        | Block::BeginCycle { .. }
+        | Block::EndCycle
         | Block::EndRails
         | Block::EndPosed => {}
     }
@@ -301,6 +306,14 @@ fn difference(
         (Block::Rail { index }, Step::Rail(rail)) => {
             rail_difference(&rails[index as usize], &rail, start, grid)
         }
+        (Block::Hole { to: [x, y], index }, Step::Hole(hole)) => {
+            let words = &cycles[index as usize];
+            let ends =
+                are_near(hole.from.map(Some), start) && is_near(hole.to[0], x) && is_near(hole.to[1], y);
+            let is_rate = is_feed(hole.cycle.rate, words.feed);
+            first_false(&[(ends, "place"), (is_rate, "feed")])
+                .or_else(|| hole::difference(words, &hole, is_near))
+        }
         (Block::Dwell { milliseconds }, Step::Dwell { seconds }) => {
             first_false(&[((seconds * 1000.0 - milliseconds as f64).abs() <= DWELL_AGREEMENT_MS, "dwell")])
         }
@@ -310,7 +323,7 @@ fn difference(
 
 fn is_cut(step: &Step) -> bool {
     match step {
-        Step::Feed { .. } | Step::Rail(_) => true,
+        Step::Feed { .. } | Step::Rail(_) | Step::Hole(_) => true,
         Step::Posed(posed) => posed.feed != PosedFeed::Rapid,
         Step::Rapid { .. } | Step::Dwell { .. } => false,
     }

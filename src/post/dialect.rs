@@ -3,10 +3,14 @@
 //! A [`Dialect`] says what a control can do, and in which [`Syntax`] its programs are written. Each syntax
 //! has its own reader. ISO words and Siemens share one writer. No reader shares code with a writer.
 
+mod five_axes;
+
+pub use self::five_axes::{AxisOutput, FiveAxisWords, TipControl, Turns};
 pub use toolpathd_core::toolpath::arc_rule::ArcRule;
 pub use toolpathd_core::toolpath::quantize::{Arcs, Curves, Parabolas};
 
 use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::cycle::CycleKind;
 use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode, Units};
 use toolpathd_core::toolpath::tool::Tool;
 
@@ -97,6 +101,8 @@ pub struct Abilities {
     /// Whether programs state the radius of the tool.
     pub needs_tool: bool,
     pub has_dwells: bool,
+    /// The canned cycles that programs have. The moves of all others are written.
+    pub cycles: &'static [CycleKind],
     /// The longest pause of one block, s.
     pub max_dwell_s: f64,
     pub has_comments: bool,
@@ -114,6 +120,7 @@ impl Abilities {
         length_offsets: Some(LengthOffsets { letter: 'H', usual: None, most: 99_999_999 }),
         needs_tool: false,
         has_dwells: true,
+        cycles: &CycleKind::ALL,
         max_dwell_s: 1e6,
         has_comments: true,
         max_tool: 99_999_999,
@@ -156,96 +163,6 @@ impl Numbers {
 /// The largest F under G93 of Fanuc and of controls that follow it: the manuals give 9999.999
 /// (B-62764EN, 5.3). The number is whole, so that its word is exact.
 pub const FANUC_INVERSE_TIME: u32 = 9_999;
-
-/// How a control is told the axis of a leaning tool.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FiveAxisWords {
-    /// Decimals of a written angle, in degrees.
-    pub angle_decimals: u8,
-    /// Under tip control X, Y and Z state the place of the tool tip, also while the tool leans: with the
-    /// angles of the rotary axes in the blocks, or with the vector of the tool axis. `None` where the control
-    /// has no such mode.
-    pub angles: Option<TipControl>,
-    pub vectors: Option<TipControl>,
-    /// Whether tip control is a switch of the control's kinematics, which only some machines have. Programs
-    /// then state positions, unless a request asks for angles.
-    pub switches_kinematics: bool,
-    /// With polynomials of the tip and of a second point on the axis.
-    pub rails: Option<TipControl>,
-    /// Whether blocks may state the positions of all five axes of the machine, with the time of each block.
-    pub has_positions: bool,
-    /// How fast the axis turns about a resting tip.
-    pub turns: Turns,
-}
-
-impl FiveAxisWords {
-    /// A control of three axes.
-    pub const NONE: Self = Self {
-        angle_decimals: 0,
-        angles: None,
-        vectors: None,
-        switches_kinematics: false,
-        rails: None,
-        has_positions: false,
-        turns: Turns::InverseTime { most: FANUC_INVERSE_TIME },
-    };
-
-    /// All ways in which a program can state the tool axis.
-    pub fn outputs(self) -> impl Iterator<Item = AxisOutput> {
-        let all = [AxisOutput::Angles, AxisOutput::Vectors, AxisOutput::Rails, AxisOutput::Machine];
-        all.into_iter().filter(move |&output| self.write(output))
-    }
-
-    /// Whether a program can state the tool axis in this way.
-    pub fn write(&self, output: AxisOutput) -> bool {
-        match output {
-            AxisOutput::Angles => self.angles.is_some(),
-            AxisOutput::Vectors => self.vectors.is_some(),
-            AxisOutput::Rails => self.rails.is_some(),
-            AxisOutput::Machine => self.has_positions,
-        }
-    }
-}
-
-/// How a program states the tool axis. On LinuxCNC `angles` is never the default: it writes M428 and M429,
-/// which have to select the kinematics of the tip and of the axes, as in the sample configurations
-/// `xyzac-trt`, `xyzbc-trt` and `xyzab-tdr`. Other configurations give these codes another meaning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
-#[cfg_attr(feature = "wire", serde(rename_all = "snake_case"))]
-pub enum AxisOutput {
-    /// The tip and the angles of the rotary axes (Fanuc: G43.4, Siemens: TRAORI, Heidenhain: TCPM, LinuxCNC:
-    /// M428). The control keeps the tip on its line.
-    Angles,
-    /// The tip and the vector of the tool axis (Fanuc: G43.5, Siemens: A3 B3 C3, Heidenhain: LN).
-    Vectors,
-    /// As `vectors`, and polynomials of the tip and of a second point where the toolpath has them (Siemens:
-    /// ORICURVE, POLY).
-    Rails,
-    /// The positions of all five axes of the machine, with the time of each block (G93).
-    Machine,
-}
-
-/// The words of tip control.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct TipControl {
-    /// The blocks that switch it on, each a line. `{offset}` stands for the number of the length offset.
-    pub before: &'static [&'static str],
-    /// The words in the block of the first motion.
-    pub words: Option<&'static str>,
-    pub off: &'static str,
-    /// The letters of the components of a vector.
-    pub vector: [&'static str; 3],
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Turns {
-    /// By the time that the block takes: F is one by its minutes, at most `most`. A shorter block takes
-    /// longer than it should.
-    InverseTime { most: u32 },
-    /// By a feed in degrees per minute.
-    DegreesPerMinute,
-}
 
 /// The syntax of a family of controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

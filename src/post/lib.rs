@@ -41,6 +41,7 @@ mod block;
 mod check;
 mod coarse;
 mod custom;
+mod cycles;
 mod header;
 mod helix;
 mod lower;
@@ -238,7 +239,8 @@ pub enum WriteError {
 }
 
 impl WriteError {
-    /// The fault of the operation with an index. That of the first one stays as it is.
+    /// Wraps the error of an operation in [`Self::InOperation`] with the operation's index, counted from 0.
+    /// An error of the first operation stays as it is, and so does [`Self::Stopped`].
     fn of_operation(self, index: usize) -> Self {
         match self {
             Self::Stopped(_) => self,
@@ -272,7 +274,10 @@ pub fn write_all(operations: &[Operation], budget: &Budget) -> Result<NcProgram,
         max_displacement_mm: largest(|lowered| lowered.displacement_mm),
         max_displacement_axis: largest(|lowered| lowered.displacement_axis),
         max_radius_mismatch_mm,
-        blocks: parts.iter().map(|part| part.lowered.blocks.len()).sum(),
+        blocks: parts
+            .iter()
+            .map(|part| part.lowered.blocks.iter().filter(|block| block.acts()).count())
+            .sum(),
         slowed: parts.iter().map(|part| part.lowered.slowed).sum(),
     })
 }

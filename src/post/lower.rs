@@ -3,6 +3,7 @@
 use nalgebra::{Point2, Point3};
 
 use super::block::{Block, Blocks};
+use super::cycles::CycleWords;
 use super::dialect::{Arcs, Dialect};
 use super::helix;
 use super::posed::{self, Posed, Slowed};
@@ -10,9 +11,10 @@ use super::rails::RailWords;
 use super::words::{self, FeedWord};
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
 use toolpathd_core::budget::Budget;
-use toolpathd_core::geometry::curve::{Curve, Direction};
+use toolpathd_core::geometry::curve::{Curve, Direction, Line};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::Toolpath;
+use toolpathd_core::toolpath::cycle::Cycle;
 use toolpathd_core::toolpath::path::{Move, Role};
 use toolpathd_core::toolpath::program::Resolution;
 use toolpathd_core::toolpath::quantize::{self, Form, Grid, Written};
@@ -23,6 +25,8 @@ pub struct Lowered {
     pub blocks: Vec<Block>,
     /// The rails of the blocks.
     pub rails: Vec<RailWords>,
+    /// The canned cycles of the blocks.
+    pub cycles: Vec<CycleWords>,
     /// Upper bound for the distance of the feed moves from any path that a control may run for them, mm, both
     /// ways.
     pub displacement_mm: f64,
@@ -46,8 +50,17 @@ pub fn lower(
     if let Some(five) = job.five_axes {
         let Posed { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed } =
             posed::lower(toolpath, &five, job, budget)?;
-        let end = None;
-        return Ok(Lowered { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed, end });
+        let (end, cycles) = (None, Vec::new());
+        return Ok(Lowered {
+            blocks,
+            rails,
+            cycles,
+            displacement_mm,
+            displacement_axis,
+            delay_s,
+            slowed,
+            end,
+        });
     }
     if !toolpath.is_upright() {
         return Err(WriteError::MachineMissing);
@@ -75,37 +88,44 @@ fn upright(
         at,
         off_grid: None,
         blocks: Blocks::default(),
+        cycles: Vec::new(),
         displacement_mm: 0.0,
     };
     match from {
         Some(from) => lowering.cross(from, clearance)?,
         None => lowering.approach(clearance)?,
     }
-    let (mut checked, total) = (0, toolpath.moves().count());
-    for (k, step) in toolpath.moves().enumerate() {
-        // One move may become very many blocks, and very many moves may become no block.
-        if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) || lowering.blocks.len() >= checked + BLOCKS_BETWEEN_CHECKS
-        {
-            budget.check()?;
-            budget.progress("lowering", k, total);
-            checked = lowering.blocks.len();
-        }
-        match step {
-            Move::Rapid { line } => lowering.rapid(&line.end)?,
-            Move::Feed { along, rate, role } => {
-                lowering.feed(along, rate.ok_or(WriteError::FeedMissing)?, *role)?;
+    let (mut done, mut checked, total) = (0, 0, toolpath.moves().count());
+    for pass in toolpath.passes() {
+        let mut cycles = pass.cycles().iter().peekable();
+        let mut k = 0;
+        while let Some(step) = pass.moves().get(k) {
+            // One move may become very many blocks, and very many moves may become no block.
+            if (done + k).is_multiple_of(BLOCKS_BETWEEN_CHECKS)
+                || lowering.blocks.len() >= checked + BLOCKS_BETWEEN_CHECKS
+            {
+                budget.check()?;
+                budget.progress("lowering", done + k, total);
+                checked = lowering.blocks.len();
             }
-            Move::Dwell { .. } if !job.dialect.abilities.has_dwells => return Err(WriteError::NoDwells),
-            Move::Dwell { seconds } => lowering.blocks.dwell(*seconds, job.dialect.abilities.max_dwell_s)?,
-            // A turn to the same axis.
-            Move::Turn { .. } => {}
+            let cycle = cycles.next_if(|cycle| cycle.moves.start == k);
+            if let Some(cycle) = cycle
+                && lowering.cycle(cycle)?
+            {
+                k = cycle.moves.end;
+                continue;
+            }
+            lowering.step(step)?;
+            k += 1;
         }
+        done += pass.moves().len();
     }
     lowering.retract(clearance)?;
-    let Lowering { blocks, displacement_mm, at, .. } = lowering;
+    let Lowering { blocks, cycles, displacement_mm, at, .. } = lowering;
     Ok(Lowered {
         blocks: blocks.finish(),
         rails: Vec::new(),
+        cycles,
         displacement_mm,
         displacement_axis: 0.0,
         delay_s: 0.0,
@@ -144,10 +164,44 @@ struct Lowering<'a> {
     /// Where the tool really is in X and Y, mm, behind a helix.
     off_grid: Option<Point2<f64>>,
     blocks: Blocks,
+    cycles: Vec<CycleWords>,
     displacement_mm: f64,
 }
 
 impl Lowering<'_> {
+    fn step(&mut self, step: &Move) -> Result<(), WriteError> {
+        let abilities = &self.dialect.abilities;
+        match step {
+            Move::Rapid { line } => self.rapid(&line.end),
+            Move::Feed { along, rate, role } => self.feed(along, rate.ok_or(WriteError::FeedMissing)?, *role),
+            Move::Dwell { .. } if !abilities.has_dwells => Err(WriteError::NoDwells),
+            Move::Dwell { seconds } => self.blocks.dwell(*seconds, abilities.max_dwell_s),
+            // A turn to the same axis.
+            Move::Turn { .. } => Ok(()),
+        }
+    }
+
+    /// A canned cycle. False where its moves have to be written instead.
+    fn cycle(&mut self, cycle: &Cycle) -> Result<bool, WriteError> {
+        let Some(words) = CycleWords::of(cycle, self.resolution, self.dialect)? else { return Ok(false) };
+        let index = u32::try_from(self.cycles.len()).unwrap_or(u32::MAX);
+        let hole = &cycle.hole;
+        self.blocks.push(Block::BeginCycle { index })?;
+        for place in &cycle.places {
+            let [high, low] = [hole.retract_z_mm, hole.bottom_z_mm].map(|z| Point3::new(place.x, place.y, z));
+            let drilled = Curve::Line(Line { start: high, end: low });
+            let rounded = quantize::round(&drilled, self.resolution, &self.dialect.curves)?;
+            self.displacement_mm = self.displacement_mm.max(rounded.displacement_mm);
+            let [x, y, _] = self.grid.round(&low)?;
+            self.blocks.push(Block::Hole { to: [x, y], index })?;
+            self.at = [x, y, words.returns];
+        }
+        self.off_grid = None;
+        self.blocks.push(Block::EndCycle)?;
+        self.cycles.push(words);
+        Ok(true)
+    }
+
     /// Moves from the tool change to the start: across at the height of the tool change, then down to the
     /// clearance plane, then to the start.
     fn approach(&mut self, clearance: i64) -> Result<(), WriteError> {

@@ -14,6 +14,7 @@
 
 mod cut;
 mod deckel;
+mod hole;
 mod iso;
 mod klartext;
 mod number;
@@ -25,6 +26,7 @@ use std::ops::Range;
 
 use nalgebra::Point3;
 
+pub use self::hole::{Cycle, Hole};
 pub use self::posed::{Posed, PosedFeed, ROTARY, RailStep, TipMode};
 pub use self::state::{Calls, MachineState, Spindle};
 use super::dialect::{Dialect, Syntax};
@@ -52,6 +54,8 @@ pub enum Step {
     Posed(Posed),
     /// A motion of the tip and of a second point of the tool, both along polynomials.
     Rail(RailStep),
+    /// A hole of a canned cycle, with the way to it and back.
+    Hole(Hole),
     Dwell {
         seconds: f64,
     },

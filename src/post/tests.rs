@@ -23,6 +23,7 @@ mod approach;
 mod blank;
 mod corrupted;
 mod custom;
+mod cycles;
 mod deckel;
 mod dialects;
 mod feeds;
@@ -317,7 +318,7 @@ proptest! {
                     time += along.length() / rate.mm_per_min() * 60.0;
                 }
                 Step::Dwell { seconds } => dwell += seconds,
-                Step::Rapid { .. } | Step::Posed(_) | Step::Rail(_) => {}
+                Step::Rapid { .. } | Step::Posed(_) | Step::Rail(_) | Step::Hole(_) => {}
             }
         }
         let measures = measure(&path, feed(10_000.0));

@@ -5,6 +5,7 @@ mod binary;
 mod bounds;
 mod compression;
 mod connection;
+mod cycles;
 mod decoding;
 mod determinism;
 mod drops;

@@ -27,10 +27,6 @@ impl Builder {
         self.rapid_unless_there(at_height(to, over_z))?;
         self.rapid_to_height(down_z)
     }
-
-    fn rapid_unless_there(&mut self, to: Point3<f64>) -> Result<(), PathError> {
-        if self.at() == to { Ok(()) } else { self.rapid(to) }
-    }
 }
 
 #[cfg(test)]

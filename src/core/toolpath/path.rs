@@ -1,9 +1,13 @@
 //! Moves, passes and the toolpath. A builder makes a toolpath move by move.
 
+mod drilled;
 mod joined;
+mod pass;
 
 use nalgebra::{Point3, UnitVector3, Vector3};
 
+pub use self::pass::{Pass, RotaryPositions};
+use super::cycle::{Cycle, CycleError};
 use super::rail::Rail;
 use super::tool_axes::{ToolAxes, are_opposite};
 use super::units::FeedRate;
@@ -46,59 +50,6 @@ pub enum Move {
     Dwell {
         seconds: f64,
     },
-}
-
-/// A connected run of moves, optionally on a level.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Pass {
-    level: Option<u32>,
-    /// Where the pass starts, if it does not start where the pass before ends.
-    start: Option<Point3<f64>>,
-    moves: Vec<Move>,
-    axes: ToolAxes,
-    rails: Vec<Rail>,
-    rotary: Option<RotaryPositions>,
-}
-
-/// The positions of the two rotary axes of a machine along a pass, radians. They may count turns. During a
-/// move both turn in step with the length of the way.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RotaryPositions {
-    pub start: [f64; 2],
-    /// At the end of each move.
-    pub ends: Vec<[f64; 2]>,
-}
-
-impl Pass {
-    pub fn level(&self) -> Option<u32> {
-        self.level
-    }
-
-    pub fn moves(&self) -> &[Move] {
-        &self.moves
-    }
-
-    /// Where the tip stands before the first move of the pass, if that is not where the pass before ended:
-    /// the tool came there on a way that is not known.
-    pub fn start(&self) -> Option<Point3<f64>> {
-        self.start
-    }
-
-    /// The tool axis. Where it differs from the axis at the end of the pass before, the tool turns about its
-    /// resting tip between the passes.
-    pub fn axes(&self) -> &ToolAxes {
-        &self.axes
-    }
-
-    /// Polynomials that stand for moves of the pass, in order and without overlap. Most passes have none.
-    pub fn rails(&self) -> &[Rail] {
-        &self.rails
-    }
-
-    /// The positions of the rotary axes, where the toolpath was made for a machine.
-    pub fn rotary(&self) -> Option<&RotaryPositions> {
-        self.rotary.as_ref()
-    }
 }
 
 /// A finished toolpath.
@@ -158,6 +109,8 @@ pub enum PathError {
     Arc(#[from] ArcError),
     #[error(transparent)]
     Parabola(#[from] ParabolaError),
+    #[error(transparent)]
+    Cycle(#[from] CycleError),
 }
 
 /// Builds a toolpath move by move; what it returns keeps the promises of the module.
@@ -233,6 +186,7 @@ impl Builder {
             moves: Vec::new(),
             axes: ToolAxes::Fixed(axis),
             rails: Vec::new(),
+            cycles: Vec::new(),
             rotary: self.rotary.map(|start| RotaryPositions { start, ends: Vec::new() }),
         });
     }
@@ -303,6 +257,14 @@ impl Builder {
     pub fn rapid(&mut self, to: Point3<f64>) -> Result<(), PathError> {
         let line = self.line_to(to)?;
         self.push(Move::Rapid { line }, to)
+    }
+
+    /// A rapid, unless the tool is there already.
+    ///
+    /// # Errors
+    /// When `to` is not finite.
+    pub fn rapid_unless_there(&mut self, to: Point3<f64>) -> Result<(), PathError> {
+        if self.at == to { Ok(()) } else { self.rapid(to) }
     }
 
     /// # Errors

@@ -28,7 +28,11 @@ enum Needs {
 impl Needs {
     fn of(block: &Block) -> Self {
         match block {
-            Block::Park { .. } | Block::EndRails | Block::EndPosed => Self::Nothing,
+            Block::Park { .. }
+            | Block::EndRails
+            | Block::EndPosed
+            | Block::BeginCycle { .. }
+            | Block::EndCycle => Self::Nothing,
             Block::Rotate { .. } | Block::Rapid { to: [_, _, None] } => Self::Tool,
             Block::BeginTipControl { .. }
             | Block::Rapid { .. }
@@ -40,6 +44,7 @@ impl Needs {
             | Block::Posed { .. }
             | Block::BeginRails { .. }
             | Block::Rail { .. }
+            | Block::Hole { .. }
             | Block::Dwell { .. } => Self::Everything,
         }
     }

@@ -33,6 +33,7 @@ pub const DECKEL: Dialect = Dialect {
         length_offsets: None,
         needs_tool: true,
         has_dwells: false,
+        cycles: &[],
         has_comments: false,
         ..Abilities::USUAL
     },

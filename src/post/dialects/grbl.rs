@@ -28,7 +28,7 @@ pub const GRBL: Dialect = Dialect {
     // The largest radius is the usual one: centres farther away would lose a thousandth in 32 bits.
     // Radii are computed in 32 bits: 0.004 mm leaves room for their rounding.
     curves: Curves { radius_mismatch_mm: 0.004, accepts: ARC_RULE, ..Curves::ARCS },
-    abilities: Abilities { coolants: &[Coolant::Off, Coolant::Flood], length_offsets: None, ..Abilities::USUAL },
+    abilities: Abilities { coolants: &[Coolant::Off, Coolant::Flood], length_offsets: None, cycles: &[], ..Abilities::USUAL },
     rests_at_mm: None,
     smoothing: None,
     five_axes: FiveAxisWords::NONE,

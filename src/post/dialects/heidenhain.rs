@@ -13,6 +13,7 @@ use crate::dialect::{
     Abilities, ArcRule, Arcs, Curves, Dialect, FiveAxisWords, Numbers, Point, SmoothingForm, SmoothingWords, Syntax, TipControl, Turns, Verification,
 };
 use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::cycle::CycleKind;
 use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode};
 
 pub const HEIDENHAIN: Dialect = Dialect {
@@ -34,6 +35,7 @@ pub const HEIDENHAIN: Dialect = Dialect {
         safe_homes: &[SafeHome::None, SafeHome::G53],
         coolants: &[Coolant::Off, Coolant::Flood],
         length_offsets: None,
+        cycles: &[CycleKind::Drill, CycleKind::Peck, CycleKind::Ream],
         max_dwell_s: 3600.0,
         max_tool: 32_767,
         ..Abilities::USUAL

@@ -26,7 +26,7 @@ pub const OKUMA: Dialect = Dialect {
     numbers: Numbers { point: Point::Always, max_digits: 8, max_whole_digits: 8, max_feed_decimals: 3, feeds_in_tenths_of_inch: false, spindle_decimals: 0, max_spindle_rpm: 99_999 },
     // Alarm B 2252, code 3: the usual tolerance of the end is 20 micrometres.
     curves: Curves { accepts: ArcRule::fixed(0.02), ..Curves::ARCS },
-    abilities: Abilities { safe_homes: &[SafeHome::None], ..Abilities::USUAL },
+    abilities: Abilities { safe_homes: &[SafeHome::None], cycles: &[], ..Abilities::USUAL },
     rests_at_mm: None,
     smoothing: None,
     five_axes: FiveAxisWords { angle_decimals: 4, has_positions: false, ..FiveAxisWords::NONE },

@@ -31,6 +31,8 @@ pub enum Fault {
     NoFeed,
     #[error("the block cuts from an unknown position")]
     UnknownStart,
+    #[error("the canned cycle does not drill down from its retract plane, or starts below that plane")]
+    Cycle,
     #[error("the arc has no centre")]
     MissingCenter,
     #[error("G5.1 needs the plane G17; another plane is active")]

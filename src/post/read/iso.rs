@@ -6,6 +6,7 @@
 
 mod asked;
 mod control;
+mod cycle;
 mod posed;
 mod smoothing;
 mod words;
@@ -61,6 +62,7 @@ pub struct Reader {
     modal: Modal<f64, FeedRate>,
     leaning: Leaning,
     smoothing: Option<Smoothing>,
+    cycle: Option<cycle::InForce>,
     state: MachineState,
     program: Option<u32>,
     /// No mode is taken for granted, neither at the start nor behind a change from one tool to another.
@@ -125,7 +127,7 @@ impl Language for Reader {
     fn pass(&mut self) {
         self.modal = Modal::UNKNOWN;
         self.leaning = Leaning::default();
-        self.smoothing = None;
+        (self.smoothing, self.cycle) = (None, None);
         self.state = self.state.behind_own_lines();
     }
 
@@ -170,6 +172,7 @@ impl Reader {
             modal: Modal::START,
             leaning: Leaning::default(),
             smoothing: None,
+            cycle: None,
             state: MachineState::default(),
             program: None,
             is_strict: false,
@@ -182,15 +185,15 @@ impl Reader {
         if !self.control.needs_points {
             return Ok(());
         }
-        let missing = words.first_written("XYZABCEIJKF", false).map(Fault::MissingPoint);
-        let unexpected = || {
-            words
-                .first_written(
-                    if self.control.dwell == Dwell::Milliseconds { "NHSTPQR" } else { "NHSTQR" },
-                    true,
-                )
-                .map(Fault::UnexpectedPoint)
+        let is_cycle = cycle::begins(words);
+        let (with, without) = match (is_cycle, self.control.dwell == Dwell::Milliseconds) {
+            (true, true) => ("XYZABCEIJKFQR", "NHSTP"),
+            (true, false) => ("XYZABCEIJKFQR", "NHST"),
+            (false, true) => ("XYZABCEIJKF", "NHSTPQR"),
+            (false, false) => ("XYZABCEIJKF", "NHSTQR"),
         };
+        let missing = words.first_written(with, false).map(Fault::MissingPoint);
+        let unexpected = || words.first_written(without, true).map(Fault::UnexpectedPoint);
         missing.or_else(unexpected).map_or(Ok(()), Err)
     }
 
@@ -223,8 +226,14 @@ impl Reader {
         if self.smoothed(words)? {
             return Ok(None);
         }
-        let is_dwell = g.has(DWELL);
-        if let Some(letter) = words.first_of(if is_dwell { "QER" } else { "PQER" }) {
+        let (is_dwell, is_cycle) = (g.has(DWELL), cycle::begins(words));
+        if g.all().iter().any(|&code| modal_group(code) == MOTION_GROUP) {
+            // Whether the feed of a cycle stays in force is not certain.
+            if self.cycle.take().is_some() {
+                self.modal.feed = None;
+            }
+        }
+        if let Some(letter) = words.first_of(if is_dwell { "QER" } else { "PQER" }).filter(|_| !is_cycle) {
             // E and R are words of few controls, and only in the blocks that are read above.
             let is_word = matches!(letter, 'P' | 'Q');
             return Err(if is_word { Fault::Unused(letter) } else { Fault::UnknownWord(letter) });
@@ -244,6 +253,9 @@ impl Reader {
         if is_dwell {
             return self.dwell(words);
         }
+        if is_cycle {
+            return self.begin_cycle(words).map(Some);
+        }
         if g.has(PARABOLA) { self.parabola(words) } else { self.motion(words) }
     }
 
@@ -258,6 +270,7 @@ impl Reader {
                 || self.control.further_g.contains(&code)
                 || self.control.takes_offset(code)
                 || code == PARABOLA && self.control.has_parabolas
+                || self.control.has_cycles && cycle::takes(code)
                 || self.control.smoothing.takes(code)
         };
         let number = |code: &i32| f64::from(*code) / 10.0;
@@ -283,23 +296,6 @@ impl Reader {
         }
     }
 
-    /// The move to the machine's end of Z: by G28 as a step of no length, or as a rapid to zero of the
-    /// machine's coordinates.
-    fn home(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
-        self.leaning.check_off()?;
-        let is_relative = self.modal.distance == Some(Distance::Incremental);
-        let is_rapid = self.modal.motion == Some(Motion::Rapid);
-        // The last of the two codes counts.
-        let last = words.g.all().iter().rfind(|code| [HOME, MACHINE_COORDINATES].contains(code));
-        let is_known = if last == Some(&HOME) { is_relative } else { !is_relative && is_rapid };
-        if !is_known || words.get('Z') != Some(0.0) || words.first_of("XYIJKABC").is_some() {
-            return Err(Fault::Conflict);
-        }
-        self.modal.at[2] = None;
-        self.state.homes += 1;
-        Ok(None)
-    }
-
     fn dwell(&self, words: &Words) -> Result<Option<Step>, Fault> {
         let letter = if self.control.dwell == Dwell::FeedWord { 'F' } else { 'P' };
         let count = words.get(letter).ok_or(Fault::Missing(letter))?;
@@ -314,6 +310,9 @@ impl Reader {
     fn motion(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
         if words.first_of("XYZIJKABC").is_none() {
             return Ok(None);
+        }
+        if self.cycle.is_some() {
+            return self.next_hole(words).map(Some);
         }
         let motion = self.modal.motion.ok_or(Fault::NoMotion)?;
         if self.modal.distance != Some(Distance::Absolute) {

@@ -28,6 +28,7 @@
 //! `heidenhain.cps`, 2023.
 
 mod blank;
+mod cycle;
 mod motion;
 mod smoothing;
 mod tool;
@@ -72,6 +73,8 @@ enum Expected {
     HighCorner,
     /// The second line of the block that activates a preset. It has no number.
     Preset,
+    /// The next line of the definition of a canned cycle. It has no number.
+    Parameter,
     /// The last block, after M30.
     End,
     /// Nothing but blank lines.
@@ -114,6 +117,9 @@ pub struct Reader<'a> {
     /// The lowest and the highest corner of the raw part, mm.
     low_corner: Option<Point3<f64>>,
     high_corner: Option<Point3<f64>>,
+    /// A canned cycle whose definition is under way.
+    definition: Option<cycle::Definition>,
+    cycle: Option<cycle::InForce>,
     state: MachineState,
     /// Neither position nor feed is taken for granted behind a change from one tool to another.
     is_strict: bool,
@@ -128,8 +134,10 @@ impl Language for Reader<'_> {
         if text.chars().count() > limit {
             return Err(Fault::LongLine { limit });
         }
-        if self.expects == Expected::Preset {
-            return self.preset(text).map(|()| None);
+        match self.expects {
+            Expected::Preset => return self.preset(text).map(|()| None),
+            Expected::Parameter => return self.parameter(text).map(|()| None),
+            _ => {}
         }
         let block = self.numbered(text)?;
         match self.expects {
@@ -138,7 +146,7 @@ impl Language for Reader<'_> {
             Expected::Tolerance => self.tolerance(block).map(|()| None),
             Expected::HighCorner => self.high_corner(block).map(|()| None),
             Expected::End => self.finish(block).map(|()| None),
-            Expected::Block | Expected::Preset | Expected::Blank => self.block(block),
+            Expected::Block | Expected::Preset | Expected::Parameter | Expected::Blank => self.block(block),
         }
     }
 
@@ -148,7 +156,7 @@ impl Language for Reader<'_> {
         (self.mode, self.angles, self.vector) = (TipMode::Off, [None; 3], None);
         // The line may have called a tool; if it has not, the program runs with the tool that is in place.
         self.has_tool = true;
-        self.smoothing = None;
+        (self.smoothing, self.cycle) = (None, None);
         self.state = self.state.behind_own_lines();
     }
 
@@ -184,6 +192,7 @@ impl Language for Reader<'_> {
             Expected::DwellTime => Err(Fault::Frame(DWELL)),
             Expected::Tolerance => Err(Fault::Frame(smoothing::TOLERANCE)),
             Expected::Preset => Err(Fault::Frame(PRESET)),
+            Expected::Parameter => Err(Fault::Frame(cycle::PARAMETER)),
             Expected::End => Err(Fault::Frame(END)),
             Expected::Blank => Ok(()),
         }
@@ -211,6 +220,8 @@ impl<'a> Reader<'a> {
             has_open_tolerance: false,
             low_corner: None,
             high_corner: None,
+            definition: None,
+            cycle: None,
             state: MachineState::default(),
             is_strict: false,
         }
@@ -274,6 +285,14 @@ impl<'a> Reader<'a> {
                 }
                 self.expects = Expected::Preset;
                 self.at = [None; 3];
+                return Ok(None);
+            }
+            "CYCL DEF 200 DRILLING ~" => {
+                self.define(cycle::DRILLING);
+                return Ok(None);
+            }
+            "CYCL DEF 201 REAMING ~" => {
+                self.define(cycle::REAMING);
                 return Ok(None);
             }
             "CYCL DEF 32.0 TOLERANCE" => {
@@ -354,12 +373,12 @@ impl<'a> Reader<'a> {
         Ok(Step::Dwell { seconds: number.value })
     }
 
-    /// Lets the M words of a block take effect, but for M91.
+    /// Lets the M words of a block take effect, but for M91 and M99.
     ///
     /// # Errors
-    /// When M91 stands in a block other than `L Z+0 FMAX M91`, or the program ends under tip control.
+    /// When M91 or M99 stands in a block where it is not read, or the program ends under tip control.
     fn functions(&mut self, functions: &Functions) -> Result<(), Fault> {
-        if functions.has_machine_zero {
+        if functions.has_machine_zero || functions.has_call {
             return Err(Fault::Conflict);
         }
         self.state.spindle = functions.spindle.unwrap_or(self.state.spindle);

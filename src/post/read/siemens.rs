@@ -25,6 +25,7 @@
 //! SINUMERIK 840De, *Programming Manual*, p. 55 (equal signs, points); SINUMERIK 802D sl, *ISO manual*, p.
 //! 3-42 (SUPA); SINUMERIK ONE, *Programming Manual*, pp. 52, 204 (tool, arcs).
 
+mod cycle;
 mod motion;
 mod rails;
 mod words;
@@ -83,6 +84,7 @@ pub struct Reader<'a> {
     /// Whether the last motion with a vector has left the rotary axes at unknown angles.
     has_lost_axis: bool,
     smoothing: Option<Smoothing>,
+    cycle: Option<cycle::InForce>,
     /// All but the length offset, which is the cutting edge.
     state: MachineState,
     /// No mode is taken for granted behind a change from one tool to another.
@@ -113,7 +115,7 @@ impl Language for Reader<'_> {
         (self.edge, self.has_tip_control, self.orientation) = (0, false, None);
         (self.angles, self.vector, self.is_in_workpiece) = ([None; 3], None, false);
         (self.is_on_rails, self.has_polynomials) = (false, false);
-        self.smoothing = None;
+        (self.smoothing, self.cycle) = (None, None);
         self.state = self.state.behind_own_lines();
     }
 
@@ -167,6 +169,7 @@ impl<'a> Reader<'a> {
             second: None,
             has_lost_axis: false,
             smoothing: None,
+            cycle: None,
             state: MachineState::default(),
             is_strict: false,
         }
@@ -176,6 +179,9 @@ impl<'a> Reader<'a> {
         self.check_number(words.number)?;
         if words.rounding.is_some() != words.g.contains(&ROUNDING) {
             return Err(Fault::Word("ADIS", WordFault::Unused));
+        }
+        if let Some(call) = words.modal_call {
+            return self.modal_call(call, words).map(|()| None);
         }
         if let Some(arguments) = words.smoothing {
             return self.cycle_832(arguments, words).map(|()| None);

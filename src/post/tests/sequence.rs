@@ -1,12 +1,16 @@
 //! Several operations in one program.
 
+use nalgebra::Point2;
+
 use super::corrupted::survivors;
+use super::cycles::hole;
 use super::*;
 use crate::dialects::deckel::DECKEL;
 use crate::dialects::grbl::GRBL;
 use crate::dialects::heidenhain::HEIDENHAIN;
 use crate::dialects::okuma::OKUMA;
 use crate::dialects::siemens::SIEMENS;
+use toolpathd_core::toolpath::cycle::CycleKind;
 
 /// What an operation differs in.
 #[derive(Clone, Copy)]
@@ -28,8 +32,8 @@ const FACE: Kind = Kind {
     clearance_mm: 20.0,
 };
 
-/// Six tools in nine operations, two work offsets, a dwell in each, and operations that go on with the tool
-/// of the one before.
+/// Six tools in nine operations, two work offsets, a dwell in each, all canned cycles, and operations that go
+/// on with the tool of the one before.
 fn nine() -> Vec<Kind> {
     vec![
         FACE,
@@ -60,6 +64,10 @@ fn path(k: usize) -> Toolpath {
     let [x, y] = [10.0 * k as f64, -3.0 * k as f64];
     let mut path = Toolpath::builder(Point3::new(x, y, 12.0 + k as f64));
     path.rapid(Point3::new(x, y, 5.0)).unwrap();
+    if let Some(&kind) = CycleKind::ALL.get(k.wrapping_sub(1)) {
+        path.cycle(hole(kind), vec![Point2::new(x + 3.0, y + 4.0), Point2::new(x + 5.0, y + 6.0)]).unwrap();
+        path.rapid(Point3::new(x, y, 5.0)).unwrap();
+    }
     path.line(Point3::new(x, y, -1.0), feed(200.0), Role::Plunge).unwrap();
     path.dwell(0.5).unwrap();
     path.line(Point3::new(x + 8.0, y, -1.0), feed(700.0 + k as f64), Role::Cut).unwrap();

@@ -125,6 +125,9 @@ impl Writer<'_> {
             | Block::Helix { .. }
             | Block::Parabola { .. }
             | Block::Dwell { .. }
+            | Block::BeginCycle { .. }
+            | Block::Hole { .. }
+            | Block::EndCycle
             | Block::Rotate { .. }
             | Block::BeginTipControl { .. }
             | Block::Posed { .. }

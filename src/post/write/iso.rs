@@ -1,5 +1,6 @@
 //! Writes programs of ISO words.
 
+mod cycles;
 mod operations;
 mod posed;
 mod rails;
@@ -40,6 +41,7 @@ pub fn text(first: &Part, later: &[Part], iso: &Iso) -> Result<Written, WriteErr
         feed: None,
         is_inverse_time: false,
         tip_control_off: None,
+        cycle: None,
     };
     writer.tape_mark()?;
     writer.program_number()?;
@@ -86,6 +88,8 @@ struct Writer<'a> {
     is_inverse_time: bool,
     /// The words that end tip control, while it is in force.
     tip_control_off: Option<&'static str>,
+    /// The canned cycle whose words are in force.
+    cycle: Option<u32>,
 }
 
 impl<'a> Writer<'a> {
@@ -297,6 +301,9 @@ impl<'a> Writer<'a> {
                     }
                 }
             }
+            Block::BeginCycle { index } => self.begin_cycle(index)?,
+            Block::Hole { to, index } => self.hole(to, index)?,
+            Block::EndCycle => self.end_cycle(),
             Block::Rotate { angles } => {
                 self.motion("G0");
                 self.axis_words(AxisWords::Angles(angles));

@@ -6,20 +6,22 @@
 //! # Source
 //! HEIDENHAIN, *User's Manual iTNC 530 Conversational Programming* and *TNC 640 Klartext Programming*.
 
+mod cycles;
+mod smoothing;
+
 use super::lines::{Lines, Numbering, Written};
 use super::{program_number, remarks};
 use crate::block::{AxisWords, Block, BlockFeed};
-use crate::dialect::{Comment, Dialect, TipControl};
+use crate::dialect::{Comment, TipControl};
 use crate::header::Remark;
 use crate::posed::VECTOR_DECIMALS;
 use crate::sequence::Part;
-use crate::smoothing::{in_force, tolerance};
 use crate::words::{self, AXES, FeedWord};
 use crate::{ProgramJob, WriteError, blank};
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::cutting::{Coolant, Cutting};
-use toolpathd_core::toolpath::program::{SafeHome, Smoothing, SmoothingMode, Units};
+use toolpathd_core::toolpath::program::{SafeHome, Units};
 
 const COMMENT: Comment = Comment { open: "; ", separator: " = ", close: "" };
 
@@ -33,6 +35,7 @@ pub fn text(first: &Part, later: &[Part]) -> Result<Written, WriteError> {
     let (job, blocks) = (&first.operation.job, &first.lowered.blocks);
     let mut writer = Writer {
         job,
+        part: first,
         lines: Lines::new(job.dialect, Some(NUMBERING), blocks.len()),
         at: [None; 3],
         is_off_grid: [false; 3],
@@ -52,6 +55,8 @@ pub fn text(first: &Part, later: &[Part]) -> Result<Written, WriteError> {
 
 struct Writer<'a> {
     job: &'a ProgramJob<'a>,
+    /// The operation that is being written.
+    part: &'a Part<'a>,
     lines: Lines<'a>,
     /// The position as last written.
     at: [Option<i64>; 3],
@@ -132,7 +137,7 @@ impl<'a> Writer<'a> {
             self.lines.line("M5")?;
             self.lines.line("M9")?;
         }
-        self.job = &part.operation.job;
+        (self.part, self.job) = (part, &part.operation.job);
         for remark in &part.remarks {
             remarks::write(&mut self.lines, self.job.dialect, &COMMENT, remark)?;
         }
@@ -164,35 +169,6 @@ impl<'a> Writer<'a> {
             self.lines.end()?;
         }
         Ok(())
-    }
-
-    /// Cycle 32, which holds to the end of the program.
-    fn smoothing(&mut self) -> Result<(), WriteError> {
-        let Some(smoothing) = in_force(self.job) else { return Ok(()) };
-        let Smoothing { tolerance_mm, tolerance_deg, mode } = smoothing;
-        let resolution = self.job.program.resolution;
-        let Dialect { max_decimals, five_axes, .. } = *self.job.dialect;
-        let Some(value) = tolerance_mm.map(|mm| mm / resolution.units.mm()) else { return Ok(()) };
-        let path = tolerance(value, resolution.decimals, max_decimals);
-        if path.digits == 0 {
-            return Err(WriteError::SmallTolerance { tolerance: value });
-        }
-        self.lines.line("CYCL DEF 32.0 TOLERANCE")?;
-        self.lines.number("CYCL DEF 32.1 T", path.digits, path.decimals);
-        self.lines.end()?;
-        if mode.is_none() && tolerance_deg.is_none() {
-            return Ok(());
-        }
-        let is_rough = mode == Some(SmoothingMode::Roughing);
-        self.lines.word(if is_rough { "CYCL DEF 32.2 HSC-MODE:1" } else { "CYCL DEF 32.2 HSC-MODE:0" });
-        if let Some(degrees) = tolerance_deg {
-            let angle = tolerance(degrees, 1, five_axes.angle_decimals);
-            if angle.digits == 0 {
-                return Err(WriteError::SmallTolerance { tolerance: degrees });
-            }
-            self.lines.number("TA", angle.digits, angle.decimals);
-        }
-        self.lines.end()
     }
 
     fn end(mut self) -> Result<Written, WriteError> {
@@ -264,6 +240,17 @@ impl<'a> Writer<'a> {
             Block::Parabola { .. } | Block::BeginRails { .. } | Block::Rail { .. } | Block::EndRails => {
                 return Err(WriteError::Differs { line: 0, what: "kind" });
             }
+            Block::BeginCycle { index } => self.define(&self.part.lowered.cycles[index as usize])?,
+            Block::Hole { to: [x, y], index } => {
+                self.lines.word("L");
+                self.axis(0, x);
+                self.axis(1, y);
+                self.lines.word("R0 FMAX M99");
+                let returns = self.part.lowered.cycles[index as usize].returns;
+                (self.at[2], self.is_off_grid[2]) = (Some(returns), false);
+            }
+            // A definition runs only where M99 stands.
+            Block::EndCycle => {}
             Block::Dwell { milliseconds } => {
                 self.lines.line("CYCL DEF 9.0 DWELL TIME")?;
                 let digits = i64::try_from(milliseconds).unwrap_or(i64::MAX);

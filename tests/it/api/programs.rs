@@ -93,7 +93,7 @@ fn certificate_holds(answer: &Value, dialect: &toolpathd_post::Dialect) {
     assert_eq!(report["dialect"], dialect.name);
     let largest = steps.iter().fold(0f64, |largest, step| match step {
         Step::Feed { radius_mismatch_mm, .. } => largest.max(*radius_mismatch_mm),
-        Step::Rapid { .. } | Step::Posed(_) | Step::Rail(_) | Step::Dwell { .. } => largest,
+        Step::Rapid { .. } | Step::Posed(_) | Step::Rail(_) | Step::Hole(_) | Step::Dwell { .. } => largest,
     });
     let figure = |name: &str| report[name].as_f64().expect("a figure");
     assert!((figure("radius_mismatch_max_mm") - largest).abs() < 1e-9, "the mismatch is {largest}");

@@ -180,7 +180,7 @@ pub fn written(job: &Job, plan: &Plan) -> Vec<(Kind, Motion)> {
                 let motion = Motion::turn(turn.0, turn.1, [arc.start(), arc.end()], center.unwrap());
                 Some((kind_of(&motion), motion))
             }
-            Step::Posed(_) | Step::Rail(_) | Step::Dwell { .. } => {
+            Step::Posed(_) | Step::Rail(_) | Step::Hole(_) | Step::Dwell { .. } => {
                 panic!("milling neither dwells nor leans the tool")
             }
         })

@@ -59,11 +59,15 @@ pub fn translated(text: &str, dialect: &Dialect) -> String {
     };
     let mut lines: Vec<String> = Vec::new();
     for line in text.lines().filter(|line| !is_number(line)) {
-        lines.push(match (iso.dwell, line.split_once("G4 P")) {
-            (Dwell::Milliseconds, Some((before, count))) => {
-                format!("{before}G4 P{:.3}", count.parse::<f64>().unwrap_or(f64::NAN) / 1000.0)
-            }
-            _ => line.to_owned(),
+        let pauses = ["G4", "G82", "G89"].iter().any(|code| line.split(' ').any(|word| word == *code));
+        let in_seconds = |word: &str| match word.strip_prefix('P').map(str::parse::<f64>) {
+            Some(Ok(count)) => format!("P{:.3}", count / 1000.0),
+            _ => word.to_owned(),
+        };
+        lines.push(if iso.dwell == Dwell::Milliseconds && pauses {
+            line.split(' ').map(in_seconds).collect::<Vec<_>>().join(" ")
+        } else {
+            line.to_owned()
         });
     }
     lines.join("\n") + "\n"

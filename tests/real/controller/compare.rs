@@ -14,6 +14,7 @@ use toolpathd_post::Dialect;
 use toolpathd_post::read::{Reader, Step};
 
 use crate::canon::Motion;
+use crate::hole;
 
 /// Number of steps between the compared points of each motion.
 const SAMPLES: u32 = 12;
@@ -29,6 +30,7 @@ const MISMATCH_LIMIT_MM: f64 = 1.5 * 0.00254;
 pub struct Figures {
     motions: usize,
     arcs: usize,
+    holes: usize,
     parabolas: usize,
     to_text_mm: f64,
     to_path_mm: f64,
@@ -43,6 +45,7 @@ impl Figures {
         Self {
             motions: self.motions + other.motions,
             arcs: self.arcs + other.arcs,
+            holes: self.holes + other.holes,
             parabolas: self.parabolas + other.parabolas,
             to_text_mm: self.to_text_mm.max(other.to_text_mm),
             to_path_mm: self.to_path_mm.max(other.to_path_mm),
@@ -58,10 +61,11 @@ impl fmt::Display for Figures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} motions, {} arcs, {} parabolas; apart from the text {:.5} mm, from the toolpath {:.5} mm (inch programs \
+            "{} motions, {} arcs, {} holes, {} parabolas; apart from the text {:.5} mm, from the toolpath {:.5} mm (inch programs \
              {:.5} mm), radius mismatch {:.5} mm, lengths {:.5} %, times {:.5} %",
             self.motions,
             self.arcs,
+            self.holes,
             self.parabolas,
             self.to_text_mm,
             self.to_path_mm,
@@ -74,9 +78,9 @@ impl fmt::Display for Figures {
 }
 
 /// A motion of the control with its start. The centre of an arc may differ slightly from the exact centre.
-struct Run {
-    start: Point3<f64>,
-    motion: Motion,
+pub struct Run {
+    pub start: Point3<f64>,
+    pub motion: Motion,
 }
 
 impl Run {
@@ -101,7 +105,7 @@ impl Run {
         }
     }
 
-    fn end(&self) -> Point3<f64> {
+    pub fn end(&self) -> Point3<f64> {
         match self.motion {
             Motion::Arc { to, .. } | Motion::Line { to, .. } | Motion::Rapid { to } => to,
             Motion::Parabola { curve, .. } => curve.end(),
@@ -158,7 +162,8 @@ pub fn with_text(text: &str, dialect: &Dialect, motions: &[Motion]) -> Result<Fi
     let printed = 2.0 * if is_inch { 25.4 * 0.5e-4 } else { 0.5e-4 } * 3f64.sqrt();
     let mut figures = Figures { motions: motions.len(), ..Figures::default() };
     let mut steps = Reader::new(text, dialect, MISMATCH_LIMIT_MM);
-    for run in runs(motions) {
+    let mut runs = runs(motions).into_iter().peekable();
+    while let Some(run) = runs.next() {
         let placed = steps
             .next()
             .ok_or("the control moves on after the end of the text")?
@@ -166,6 +171,16 @@ pub fn with_text(text: &str, dialect: &Dialect, motions: &[Motion]) -> Result<Fi
         let fault =
             |what: &str| format!("line {}: {what}: {:?} against {:?}", placed.line, placed.step, run.motion);
         let mut apart: f64 = 0.0;
+        if let Step::Hole(hole) = &placed.step {
+            figures.holes += 1;
+            let found = hole::take(hole, run, &mut runs, printed)
+                .map_err(|error| format!("line {}: {error}", placed.line))?;
+            figures.to_text_mm = figures.to_text_mm.max(found);
+            if found > printed {
+                return Err(format!("line {}: {found} mm apart", placed.line));
+            }
+            continue;
+        }
         match (placed.step, run.motion) {
             (Step::Rapid { to, .. }, Motion::Rapid { to: reached }) => {
                 for (wanted, reached) in to.into_iter().zip(reached.iter()) {

@@ -5,6 +5,8 @@
 //!   Lengths and times agree with `measure`.
 //! * A curve interpolated by parabolas. Every point of the control's path lies within the band of the curve,
 //!   widened by the rounding.
+//! * Random canned cycles, in each dialect of plain words that has them. The control drills each hole from the
+//!   retract plane to the bottom, in as many pecks, with the pause, and goes back to where the reader says.
 //! * Programs of G1 blocks, rewritten with arcs. The control's paths before and after lie within the
 //!   tolerance of each other.
 //! * Every program in the directories given as arguments. The control makes the motions that the reader of
@@ -22,6 +24,8 @@ mod arcs;
 mod canon;
 mod compare;
 mod curve;
+mod hole;
+mod holes;
 mod random;
 
 use std::path::{Path, PathBuf};
@@ -77,6 +81,7 @@ fn run(directory: &Path) -> Result<(), String> {
     }
     println!("a curve: {}", curve::check(directory)?);
     println!("rewritten: {}", arcs::check(directory)?);
+    println!("canned cycles: {}", holes::check(directory)?);
     let next = AtomicUsize::new(0);
     let all: Result<Vec<compare::Figures>, String> = thread::scope(|scope| {
         let workers: Vec<_> = (0..WORKERS).map(|_| scope.spawn(|| check_random(directory, &next))).collect();

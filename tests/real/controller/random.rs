@@ -18,36 +18,41 @@ pub struct Case {
 }
 
 /// Knuth's linear congruential generator: the same cases on every machine.
-struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
+    pub fn new(seed: u64) -> Self {
+        let mut random = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        random.unit();
+        random
+    }
+
     /// The next number in 0..1.
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    fn within(&mut self, from: f64, to: f64) -> f64 {
+    pub fn within(&mut self, from: f64, to: f64) -> f64 {
         from + (to - from) * self.unit()
     }
 
-    fn below(&mut self, n: usize) -> usize {
+    pub fn below(&mut self, n: usize) -> usize {
         ((self.unit() * n as f64) as usize).min(n - 1)
     }
 
-    fn vector(&mut self, size: f64) -> Vector3<f64> {
+    pub fn vector(&mut self, size: f64) -> Vector3<f64> {
         Vector3::new(self.within(-size, size), self.within(-size, size), self.within(-size, size))
     }
 
-    fn feed(&mut self) -> FeedRate {
+    pub fn feed(&mut self) -> FeedRate {
         let value = 10f64.powf(self.within(1.0, 3.7));
         FeedRate::from_mm_per_min(value).unwrap_or_else(|| unreachable!("a power of ten is above zero"))
     }
 }
 
 pub fn case(seed: u64) -> Case {
-    let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-    random.unit();
+    let mut random = Random::new(seed);
     let mut path = Toolpath::builder(Point3::from(random.vector(50.0)));
     for _ in 0..10 + random.below(30) {
         // The builder refuses an arc whose points rounding has moved too far. Then another move is drawn.

@@ -32,7 +32,8 @@ impl Toolpath {
         let ways = places.windows(2).filter(|pair| pair[0] != pair[1]);
         let moves = ways.map(|pair| Move::Rapid { line: Line { start: pair[0], end: pair[1] } }).collect();
         let axes = ToolAxes::Fixed(Vector3::z_axis());
-        self.passes.push(Pass { level: None, start: None, moves, axes, rails: Vec::new(), rotary: None });
+        let (rails, cycles) = (Vec::new(), Vec::new());
+        self.passes.push(Pass { level: None, start: None, moves, axes, rails, cycles, rotary: None });
         self.passes.extend(next.passes);
         self
     }

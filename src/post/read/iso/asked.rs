@@ -2,8 +2,8 @@
 
 use super::super::state::{FIRST_WORK_OFFSET, Spindle, count};
 use super::words::Words;
-use super::{Reader, WORK_OFFSETS};
-use crate::nc::Modal;
+use super::{HOME, MACHINE_COORDINATES, Reader, Step, WORK_OFFSETS};
+use crate::nc::{Distance, Fault, Modal, Motion};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::cutting::Coolant;
 
@@ -50,5 +50,22 @@ impl Reader {
                 state.length_offset = None;
             }
         }
+    }
+
+    /// The move to the machine's end of Z: by G28 as a step of no length, or as a rapid to zero of the
+    /// machine's coordinates.
+    pub(super) fn home(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
+        self.leaning.check_off()?;
+        let is_relative = self.modal.distance == Some(Distance::Incremental);
+        let is_rapid = self.modal.motion == Some(Motion::Rapid);
+        // The last of the two codes counts.
+        let last = words.g.all().iter().rfind(|code| [HOME, MACHINE_COORDINATES].contains(code));
+        let is_known = if last == Some(&HOME) { is_relative } else { !is_relative && is_rapid };
+        if !is_known || words.get('Z') != Some(0.0) || words.first_of("XYIJKABC").is_some() {
+            return Err(Fault::Conflict);
+        }
+        self.modal.at[2] = None;
+        self.state.homes += 1;
+        Ok(None)
     }
 }

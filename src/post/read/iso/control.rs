@@ -18,6 +18,8 @@ pub struct Control {
     pub further_g: &'static [i32],
     /// Whether G5.1 is a parabola.
     pub has_parabolas: bool,
+    /// Whether G81 and its like are canned cycles whose return G98 and G99 choose.
+    pub has_cycles: bool,
     /// Whether T and M6 call a tool.
     pub has_tools: bool,
     /// The code whose H word is the number of a length offset.
@@ -111,6 +113,7 @@ const ISO: Control = Control {
     dwell: Dwell::Seconds,
     further_g: &[],
     has_parabolas: false,
+    has_cycles: true,
     has_tools: true,
     length_offset: Some(430),
     work_offset: None,
@@ -154,9 +157,10 @@ const LINUXCNC: Control = Control {
     ..ISO
 };
 
-/// G43 is unknown: the control has no table of tools.
+/// G43 is unknown: the control has no table of tools. It has no canned cycles.
 const GRBL: Control = Control {
     has_parabolas: false,
+    has_cycles: false,
     has_tools: false,
     length_offset: None,
     kinematics: None,
@@ -168,10 +172,12 @@ const GRBL: Control = Control {
 const MACH4: Control =
     Control { has_tape_marks: true, needs_points: false, program_number: None, further_g: &[911], ..ISO };
 
-/// G15 H selects a work offset and G56 H a length offset. G4 has its seconds in F.
+/// G15 H selects a work offset and G56 H a length offset. G4 has its seconds in F. M53 and M54 choose the
+/// return of canned cycles, not G98 and G99.
 const OKUMA: Control = Control {
     has_tape_marks: false,
     dwell: Dwell::FeedWord,
+    has_cycles: false,
     length_offset: Some(560),
     work_offset: Some(150),
     ..ISO

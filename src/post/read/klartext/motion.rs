@@ -30,6 +30,9 @@ impl Reader<'_> {
         if words.functions.has_machine_zero {
             return self.machine_zero(&words);
         }
+        if words.functions.has_call {
+            return self.hole(&words).map(Some);
+        }
         self.functions(&words.functions)?;
         let turned = words.three(ROTARY);
         if words.three(LINEAR).iter().chain(&turned).all(Option::is_none) {

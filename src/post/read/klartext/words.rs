@@ -55,6 +55,8 @@ pub struct Functions {
     pub has_end: bool,
     /// The last M word is M91, and it is the only one.
     pub has_machine_zero: bool,
+    /// M99, alone: the canned cycle runs at the end of the block.
+    pub has_call: bool,
 }
 
 /// The words of a block.
@@ -170,6 +172,7 @@ impl Functions {
             8 => self.coolant.replace(Coolant::Flood).is_some(),
             9 => self.coolant.replace(Coolant::Off).is_some(),
             30 => std::mem::replace(&mut self.has_end, true),
+            99 => std::mem::replace(&mut self.has_call, true),
             91 => std::mem::replace(&mut self.has_machine_zero, true),
             _ => return Err(Fault::UnknownM(f64::from(code))),
         };
@@ -177,6 +180,7 @@ impl Functions {
             return Err(Fault::Conflict);
         }
         let others = self.spindle.is_some() || self.coolant.is_some() || self.has_end;
-        if self.has_machine_zero && others { Err(Fault::Conflict) } else { Ok(()) }
+        let alone = [self.has_machine_zero, self.has_call];
+        if alone.contains(&true) && (others || alone == [true; 2]) { Err(Fault::Conflict) } else { Ok(()) }
     }
 }

@@ -35,6 +35,9 @@ impl Reader<'_> {
         if (words.get('Z').is_some() || self.has_tip_control) && self.edge == 0 {
             return Err(Fault::NoEdge);
         }
+        if let Some(hole) = self.hole(words)? {
+            return Ok(Some(hole));
+        }
         if words.has_vector() && mode? != TipMode::Vectors {
             return Err(Fault::NoTipControl);
         }

@@ -68,6 +68,8 @@ pub struct Words<'t> {
     pub keyword: Option<Keyword>,
     /// ADIS: the distance from a corner at which rounding begins.
     pub rounding: Option<f64>,
+    /// What stands behind MCALL.
+    pub modal_call: Option<&'t str>,
     /// The arguments of CYCLE832.
     pub smoothing: Option<&'t str>,
 }
@@ -92,6 +94,7 @@ impl<'t> Words<'t> {
                 "N" => return Err(Fault::Word("N", WordFault::Order)),
                 "ADIS" => words.take_rounding(behind)?,
                 "CYCLE" => words.take_cycle(behind)?,
+                "MCALL" => words.take_call(behind)?,
                 "G" | "M" => words.take_code(letters, behind)?,
                 _ if letters.len() > 1 => words.take_keyword(letters, behind)?,
                 _ => words.take(letters, behind, dialect)?,
@@ -127,6 +130,15 @@ impl<'t> Words<'t> {
         let (arguments, rest) = inside.ok_or(Fault::Word("CYCLE832", WordFault::Form))?;
         if self.smoothing.replace(arguments).is_some() {
             return Err(Fault::Word("CYCLE832", WordFault::Twice));
+        }
+        Ok(rest)
+    }
+
+    /// All up to the end of the line or to its comment.
+    fn take_call(&mut self, text: &'t str) -> Result<&'t str, Fault> {
+        let (call, rest) = text.split_at(text.find(';').unwrap_or(text.len()));
+        if self.modal_call.replace(call.trim()).is_some() || !(call.is_empty() || call.starts_with(' ')) {
+            return Err(Fault::Word("MCALL", WordFault::Form));
         }
         Ok(rest)
     }

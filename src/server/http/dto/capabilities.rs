@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::dialect::DEFAULT;
 use toolpathd_core::toolpath::cutting::Coolant;
+use toolpathd_core::toolpath::cycle::CycleKind;
 use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode, Units};
 use toolpathd_post::DIALECTS;
 use toolpathd_post::dialect::{Arcs, AxisOutput, Parabolas, SmoothingWords, Verification};
@@ -59,6 +60,10 @@ pub struct Dialect {
     coolant: &'static [Coolant],
     /// Whether programs can pause.
     dwells: bool,
+    /// The canned cycles that programs have. All others are written as moves.
+    cycles: &'static [CycleKind],
+    /// Whether a program can have several tools, one after the other.
+    tool_changes: bool,
     /// Whether programs hold comments: the name, `meta`, figures and warnings. Without comments, warnings are
     /// in the JSON answer and in the header `toolpathd-warnings` only.
     comments: bool,
@@ -139,6 +144,8 @@ impl From<&toolpathd_post::Dialect> for Dialect {
             safe_home: abilities.safe_homes,
             coolant: abilities.coolants,
             dwells: abilities.has_dwells,
+            cycles: abilities.cycles,
+            tool_changes: dialect.changes_tools(),
             comments: abilities.has_comments,
             needs_tool: abilities.needs_tool,
             length_offsets: abilities.length_offsets.is_some(),

@@ -26,7 +26,7 @@ use crate::http::pointer::Pointer;
 use toolpathd_core::machine::Straying;
 use toolpathd_core::toolpath as core;
 use toolpathd_core::toolpath::cutting::{self, CLEARANCE_ABOVE_TOP_MM, Caution, CuttingRequest};
-use toolpathd_core::toolpath::path::{Move, Role};
+use toolpathd_core::toolpath::path::{Move, Pass, Role};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{measure, program};
 use toolpathd_post::{AxisOutput, Dialect, NcProgram};
@@ -198,7 +198,8 @@ pub fn conditions(
     (request.at_heights(clearance_z_mm, request.retract_z_mm.unwrap_or(clearance_z_mm)), caution)
 }
 
-/// The highest z of cutting moves, mm. Of plunges, ramps, lead-ins and lead-outs only the lower end counts.
+/// The highest z of cutting moves, mm. Of plunges, ramps, lead-ins and lead-outs only the lower end counts,
+/// and of canned cycles the height of the material.
 /// Zero without feed moves.
 fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
     let heights = toolpath.moves().filter_map(|step| match step {
@@ -208,7 +209,8 @@ fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
         Move::Feed { along, .. } => Some(along.start().z.min(along.end().z)),
         Move::Rapid { .. } | Move::Turn { .. } | Move::Dwell { .. } => None,
     });
-    heights.reduce(f64::max).unwrap_or(0.0)
+    let drilled = toolpath.passes().iter().flat_map(Pass::cycles).map(|cycle| cycle.hole.top_z_mm);
+    heights.chain(drilled).reduce(f64::max).unwrap_or(0.0)
 }
 
 /// The feed of the first move with a feed, else the default traverse rate.

@@ -1,5 +1,7 @@
 //! Toolpaths in requests. They are the same JSON object as toolpaths in answers.
 
+mod cycle;
+
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
@@ -59,8 +61,12 @@ pub struct Read {
 }
 
 impl SentToolpath {
+    /// The number of moves, with those for which cycles stand.
     pub fn n_moves(&self) -> usize {
-        self.passes.iter().map(|pass| pass.moves.len()).sum()
+        self.passes
+            .iter()
+            .flat_map(|pass| &pass.moves)
+            .fold(0, |sum: usize, step| sum.saturating_add(step.count()))
     }
 
     /// The toolpath. `None` where it has violations, which `violations` then holds.
@@ -179,6 +185,7 @@ impl Reader<'_> {
                 let added = self.builder.turn(axis, *seconds, *role);
                 self.blame(added, || at().field("axis"));
             }
+            Move::Cycle(cycle) => self.cycle(cycle, at),
             Move::Dwell(DwellMove { seconds, .. }) => {
                 if self.check_seconds(*seconds, &at) {
                     let added = self.builder.dwell(*seconds);
@@ -258,6 +265,7 @@ impl Reader<'_> {
         if let Err(error) = added {
             let code = match error {
                 PathError::OppositeAxes | PathError::BadTime { .. } => FieldCode::OutOfRange,
+                PathError::Cycle(_) => FieldCode::Conflict,
                 _ => FieldCode::NoArc,
             };
             self.violations.add(&at(), code, error.to_string());

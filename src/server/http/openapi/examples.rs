@@ -29,7 +29,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
         "rest", "three-bumps",
     ],
     "programs-read": ["drilling", "loop", "pocket"],
-    "programs-write": ["contour", "inch-fanuc", "leaning", "one-line", "parabolas", "three-operations"],
+    "programs-write": ["contour", "holes", "inch-fanuc", "leaning", "one-line", "parabolas", "three-operations"],
     "surfaces-drop": ["bowl", "bull-nose"],
     "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "job-order", "one-pass", "wire-union"],
     "surfaces-model": ["cylinder", "ferguson", "normal-sweep", "parallel-sweep", "ruled", "sloping-plane"],

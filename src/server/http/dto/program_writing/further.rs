@@ -38,11 +38,11 @@ pub struct FurtherOperation {
     #[serde(default, deserialize_with = "object::optional")]
     tool: Option<Tool>,
     /// Spindle, coolant, the clearance plane, and the feeds of moves that have no `feed_mm_per_min` of their
-    /// own. Default: all that the operation before was sent with. A `cutting` that is sent replaces all of
-    /// it, the coolant too.
+    /// own. Without `cutting`, the operation uses the `cutting` of the operation before. A `cutting` that is
+    /// sent replaces all of it, the coolant too.
     #[serde(default, deserialize_with = "object::optional")]
     cutting: Option<Cutting>,
-    /// The work offset. Default: that of the operation before.
+    /// The work offset. Without `work_offset`, the operation uses the work offset of the operation before.
     work_offset: Option<WorkOffset>,
 }
 

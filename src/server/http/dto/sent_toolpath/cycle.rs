@@ -1,0 +1,114 @@
+//! Canned cycles in a toolpath of a request.
+
+use nalgebra::Point2;
+
+use super::{Reader, check_point};
+use crate::http::dto::check::Range;
+use crate::http::dto::moves::CycleMove;
+use crate::http::dto::point::Coordinates;
+use crate::http::error::FieldCode;
+use crate::http::pointer::Pointer;
+use toolpathd_core::toolpath::Role;
+use toolpathd_core::toolpath::cycle::Hole;
+
+/// The longest pause at the bottom of a hole, s.
+const DWELL_S: Range = Range { min: 0.0, max: 3600.0 };
+
+impl Reader<'_> {
+    pub(super) fn cycle(&mut self, sent: &CycleMove, at: impl Fn() -> Pointer) {
+        let before = self.violations.total();
+        self.check_places(sent, &at);
+        self.check_heights(sent, &at);
+        self.check_of_kind(sent, &at);
+        let rate = self.feed(sent.feed_mm_per_min, Role::Plunge, &at);
+        let hole = Hole {
+            kind: sent.cycle,
+            top_z_mm: sent.top_z_mm,
+            retract_z_mm: sent.retract_z_mm,
+            bottom_z_mm: sent.bottom_z_mm,
+            peck_mm: sent.peck_mm,
+            dwell_s: sent.dwell_s.unwrap_or_default(),
+            rate,
+            return_to: sent.return_to,
+        };
+        if self.violations.total() == before {
+            let places = sent.places.iter().map(|&place| place.into()).collect();
+            let added = self.builder.cycle(hole, places);
+            self.blame(added, at);
+        } else if let Some(last) = sent.places.last() {
+            // Later moves start where the cycle would have ended.
+            let Point2 { coords, .. } = (*last).into();
+            let added = self.builder.rapid([coords.x, coords.y, sent.retract_z_mm].into());
+            self.blame(added, at);
+        }
+    }
+
+    fn check_places(&mut self, sent: &CycleMove, at: &impl Fn() -> Pointer) {
+        if sent.places.is_empty() {
+            let detail = "send the place of at least one hole";
+            self.violations.add(&at().field("places"), FieldCode::TooFewPoints, detail);
+        }
+        for (k, &Coordinates([x, y])) in sent.places.iter().enumerate() {
+            check_point(&Coordinates([x, y, 0.0]), || at().field("places").index(k), self.violations);
+        }
+    }
+
+    fn check_heights(&mut self, sent: &CycleMove, at: &impl Fn() -> Pointer) {
+        let &CycleMove { top_z_mm, retract_z_mm, bottom_z_mm, .. } = sent;
+        for (field, height) in
+            [("top_z_mm", top_z_mm), ("retract_z_mm", retract_z_mm), ("bottom_z_mm", bottom_z_mm)]
+        {
+            if !Range::COORDINATE.holds(height) {
+                self.violations.number(&at().field(field), height, Range::COORDINATE, "mm");
+            }
+        }
+        if bottom_z_mm >= top_z_mm {
+            let detail = format!(
+                "`bottom_z_mm` is {bottom_z_mm} mm, and the material begins at z = {top_z_mm} mm: send a height below that"
+            );
+            self.violations.add(&at().field("bottom_z_mm"), FieldCode::OutOfRange, detail);
+        }
+        if retract_z_mm < top_z_mm {
+            let detail = format!(
+                "`retract_z_mm` is {retract_z_mm} mm, inside the material, which begins at z = {top_z_mm} mm: send that height or more"
+            );
+            self.violations.add(&at().field("retract_z_mm"), FieldCode::HeightBelowTop, detail);
+        }
+        let start_z_mm = self.builder.at().z;
+        if start_z_mm < retract_z_mm {
+            let detail = format!(
+                "the tool is at z = {start_z_mm} mm where the cycle starts, below `retract_z_mm` = {retract_z_mm} mm: send a rapid up before the cycle, or a lower retract plane"
+            );
+            self.violations.add(&at().field("retract_z_mm"), FieldCode::Conflict, detail);
+        }
+    }
+
+    /// Checks the members that only some cycles take.
+    fn check_of_kind(&mut self, sent: &CycleMove, at: &impl Fn() -> Pointer) {
+        let pecks = sent.cycle.pecks();
+        let peck = || at().field("peck_mm");
+        match sent.peck_mm {
+            None if pecks => {
+                let detail = "this cycle drills in pecks: send the depth of a peck";
+                self.violations.add(&peck(), FieldCode::MissingField, detail);
+            }
+            Some(_) if !pecks => {
+                let detail =
+                    "this cycle has no pecks: leave `peck_mm` out, or send the cycle `peck` or `chip_break`";
+                self.violations.add(&peck(), FieldCode::Conflict, detail);
+            }
+            Some(depth) if !Range::POSITIVE.holds(depth) => {
+                self.violations.number(&peck(), depth, Range::POSITIVE, "mm");
+            }
+            _ => {}
+        }
+        let Some(seconds) = sent.dwell_s else { return };
+        let dwell = at().field("dwell_s");
+        if pecks && seconds > 0.0 {
+            let detail = "a cycle with pecks has no pause at the bottom: leave `dwell_s` out";
+            self.violations.add(&dwell, FieldCode::Conflict, detail);
+        } else {
+            self.violations.number(&dwell, seconds, DWELL_S, "s");
+        }
+    }
+}

@@ -11,7 +11,7 @@ use super::rails::RailWords;
 use super::words::{self, FeedWord};
 use super::{BLOCKS_BETWEEN_CHECKS, ProgramJob, WriteError};
 use toolpathd_core::budget::Budget;
-use toolpathd_core::geometry::curve::{Curve, Direction, Line};
+use toolpathd_core::geometry::curve::{Curve, Direction};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::cycle::Cycle;
@@ -186,13 +186,14 @@ impl Lowering<'_> {
         let Some(words) = CycleWords::of(cycle, self.resolution, self.dialect)? else { return Ok(false) };
         let index = u32::try_from(self.cycles.len()).unwrap_or(u32::MAX);
         let hole = &cycle.hole;
+        let heights = [(words.retract, hole.retract_z_mm), (words.bottom, hole.bottom_z_mm)];
         self.blocks.push(Block::BeginCycle { index })?;
         for place in &cycle.places {
-            let [high, low] = [hole.retract_z_mm, hole.bottom_z_mm].map(|z| Point3::new(place.x, place.y, z));
-            let drilled = Curve::Line(Line { start: high, end: low });
-            let rounded = quantize::round(&drilled, self.resolution, &self.dialect.curves)?;
-            self.displacement_mm = self.displacement_mm.max(rounded.displacement_mm);
-            let [x, y, _] = self.grid.round(&low)?;
+            let [x, y] = [self.grid.units(place.x)?, self.grid.units(place.y)?];
+            for (z, height_mm) in heights {
+                let moved = self.grid.point([x, y, z]) - Point3::new(place.x, place.y, height_mm);
+                self.displacement_mm = self.displacement_mm.max(moved.norm());
+            }
             self.blocks.push(Block::Hole { to: [x, y], index })?;
             self.at = [x, y, words.returns];
         }

@@ -54,7 +54,7 @@ pub struct Hole {
     pub kind: CycleKind,
     /// The height of the material.
     pub top_z_mm: f64,
-    /// The height from which the tool drills, at the top or above.
+    /// The height from which the tool drills, above the top: it comes down there as a rapid.
     pub retract_z_mm: f64,
     pub bottom_z_mm: f64,
     /// The depth of a peck; `None` where the cycle has no pecks.
@@ -91,7 +91,9 @@ impl Cycle {
 pub enum CycleError {
     #[error("the cycle has no holes")]
     NoHoles,
-    #[error("the heights of the cycle are not in order: the bottom, the top, the retract plane")]
+    #[error(
+        "the heights of the cycle are not in order: the bottom, above it the top, above it the retract plane"
+    )]
     Heights,
     #[error(
         "the cycle starts at z = {start_z_mm} mm, below its retract plane at z = {retract_z_mm} mm: go up before it"
@@ -101,7 +103,7 @@ pub enum CycleError {
     Peck,
     #[error("the pause of a cycle is a time of zero or more seconds, and a cycle with pecks has none")]
     Dwell,
-    #[error("a cycle needs the tool straight up")]
+    #[error("a cycle needs the tool straight up; send its moves instead")]
     Leans,
 }
 
@@ -114,13 +116,24 @@ pub fn n_moves_of_hole(depth_mm: f64, peck_mm: Option<f64>) -> f64 {
 }
 
 impl Hole {
+    /// The same hole. A peck that reaches the bottom from the top is no peck.
+    #[must_use]
+    pub fn simplified(self) -> Self {
+        let depth_mm = self.top_z_mm - self.bottom_z_mm;
+        if self.peck_mm.is_some_and(|peck| peck >= depth_mm) {
+            Self { kind: CycleKind::Drill, peck_mm: None, ..self }
+        } else {
+            self
+        }
+    }
+
     /// Checks the holes of a cycle that starts at this height.
     ///
     /// # Errors
     /// When a figure does not fit the others, or the kind of the cycle.
     pub fn check(&self, start_z_mm: f64) -> Result<(), CycleError> {
         let Self { kind, top_z_mm, retract_z_mm, bottom_z_mm, peck_mm, dwell_s, .. } = *self;
-        if !(bottom_z_mm < top_z_mm && top_z_mm <= retract_z_mm) {
+        if !(bottom_z_mm < top_z_mm && top_z_mm < retract_z_mm) {
             return Err(CycleError::Heights);
         }
         if start_z_mm < retract_z_mm {

@@ -27,11 +27,15 @@ pub struct Cycle {
     pub rate: FeedRate,
 }
 
+/// How far two heights may be apart that are the same, mm: the rounding of a sum of two numbers. The least
+/// increment of a control is larger.
+const SAME_HEIGHT_MM: f64 = 1e-6;
+
 impl Cycle {
-    /// Whether the tool drills down, and in pecks if at all. `from_mm` is the height at which it starts.
-    pub fn goes_down(&self, from_mm: f64) -> bool {
+    /// Whether the tool starts at `from_mm` and ends at `returns_mm` above what it drills, and drills down.
+    pub fn goes_down(&self, from_mm: f64, returns_mm: f64) -> bool {
         self.bottom_mm < self.retract_mm
-            && self.retract_mm <= from_mm
+            && self.retract_mm <= from_mm.min(returns_mm) + SAME_HEIGHT_MM
             && self.peck_mm.is_none_or(|peck| peck > 0.0)
             && self.dwell_s >= 0.0
     }

@@ -132,6 +132,59 @@ fn what_rounding_leaves_of_a_cycle_is_written() {
 }
 
 #[test]
+fn heights_of_any_decimals_are_written_in_every_dialect() {
+    for dialect in DIALECTS.iter().filter(|dialect| dialect.abilities.has_dwells) {
+        for k in 0..200 {
+            let top_z_mm = -10.0 + 0.1 * f64::from(k);
+            let (kind, dwell_s) = (CycleKind::ALL[k as usize % 4], if k % 4 == 0 { 0.5 } else { 0.0 });
+            let (retract_z_mm, bottom_z_mm) = (top_z_mm + 2.2, top_z_mm - 0.7 * f64::from(1 + k % 9));
+            let return_to = if k % 3 == 0 { ReturnTo::Start } else { ReturnTo::RetractPlane };
+            let peck_mm = kind.pecks().then_some(0.3);
+            let hole =
+                Hole { kind, top_z_mm, retract_z_mm, bottom_z_mm, peck_mm, dwell_s, return_to, ..hole(kind) };
+            // From the retract plane, and from above it.
+            for start_z_mm in [retract_z_mm, retract_z_mm + 0.1] {
+                let mut path = Toolpath::builder(Point3::new(0.0, 0.0, start_z_mm));
+                path.cycle(hole, vec![Point2::new(0.0, 0.0), Point2::new(0.1, 0.2)]).unwrap();
+                let path = path.finish().unwrap();
+                for resolution in [MM, INCH, Resolution { units: Units::Mm, decimals: 1 }] {
+                    let (program, cutting) = (Program::plain(resolution), cutting());
+                    let job =
+                        ProgramJob { tool: Some(&DRILL), ..ProgramJob::plain(&program, &cutting, dialect) };
+                    let written = write(&path, &job, &Budget::unlimited());
+                    let bound_mm = written.unwrap_or_else(|error| panic!("{}: {error}", dialect.name));
+                    // A retract plane that rounding has put into the material is a unit higher.
+                    assert!(bound_mm.max_displacement_mm <= 1.6 * resolution.step_mm());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn heidenhain_states_the_feed_again_behind_a_cycle() {
+    let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 20.0));
+    path.line(Point3::new(0.0, 0.0, 19.0), feed(200.0), Role::Cut).unwrap();
+    path.cycle(Hole { rate: feed(50.0), ..hole(CycleKind::Drill) }, vec![Point2::new(5.0, 0.0)]).unwrap();
+    path.line(Point3::new(5.0, 9.0, 2.0), feed(200.0), Role::Cut).unwrap();
+    let path = path.finish().unwrap();
+    let (program, cutting) = (Program::plain(MM), cutting());
+    let job = ProgramJob { tool: Some(&DRILL), ..ProgramJob::plain(&program, &cutting, &HEIDENHAIN) };
+    let text = write(&path, &job, &Budget::unlimited()).unwrap().text;
+    assert!(text.contains("L Y+9.000 R0 F200"), "{text}");
+    assert!(check_text(&text.replace("L Y+9.000 R0 F200", "L Y+9.000 R0"), &path, &job).is_err());
+}
+
+#[test]
+fn heidenhain_pecks_only_where_a_rapid_stops_above_the_bottom() {
+    for (above_mm, is_cycle) in [(0.2, false), (0.5, true)] {
+        let low = Hole { retract_z_mm: above_mm, ..hole(CycleKind::Peck) };
+        let text = text_in(&HEIDENHAIN, low, &Program::plain(MM));
+        assert_eq!(text.contains("CYCL DEF 200"), is_cycle, "{text}");
+    }
+}
+
+#[test]
 fn each_corrupted_word_of_a_cycle_is_found() {
     let (mut found, mut tried) = (Vec::new(), 0);
     let program = Program::plain(MM);

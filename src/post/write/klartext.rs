@@ -250,7 +250,7 @@ impl<'a> Writer<'a> {
                 (self.at[2], self.is_off_grid[2]) = (Some(returns), false);
             }
             // A definition runs only where M99 stands.
-            Block::EndCycle => {}
+            Block::EndCycle => self.feed = None,
             Block::Dwell { milliseconds } => {
                 self.lines.line("CYCL DEF 9.0 DWELL TIME")?;
                 let digits = i64::try_from(milliseconds).unwrap_or(i64::MAX);

@@ -75,10 +75,12 @@ async fn six_tools_two_offsets_and_four_cycles_are_one_program() {
 #[tokio::test]
 async fn illegal_cycles_are_refused_with_every_fault_at_once() {
     let pointer = |member: &str| format!("#/toolpath/passes/0/moves/0/{member}");
-    let cases: [(Value, Vec<(&str, &str)>); 9] = [
+    let cases: [(Value, Vec<(&str, &str)>); 11] = [
         (with(&[("places", json!([]))]), vec![("places", "too_few_points")]),
         (with(&[("bottom_z_mm", json!(1))]), vec![("bottom_z_mm", "out_of_range")]),
         (with(&[("retract_z_mm", json!(-1))]), vec![("retract_z_mm", "height_below_top")]),
+        (with(&[("retract_z_mm", json!(0))]), vec![("retract_z_mm", "height_below_top")]),
+        (with(&[("retract_z_mm", json!(1e300))]), vec![("retract_z_mm", "too_large")]),
         (with(&[("retract_z_mm", json!(21))]), vec![("retract_z_mm", "conflict")]),
         (with(&[("peck_mm", Value::Null)]), vec![("peck_mm", "missing_field")]),
         (with(&[("peck_mm", json!(0))]), vec![("peck_mm", "out_of_range")]),
@@ -119,4 +121,13 @@ async fn a_cycle_of_very_many_moves_and_one_of_a_leaning_tool_are_refused() {
     let answer = write(&leaning, "gcode").await;
     assert_eq!(answer.status, 422);
     assert!(answer.text().contains("straight up"), "{}", answer.text());
+}
+
+#[tokio::test]
+async fn an_illegal_cycle_blames_no_move_behind_it() {
+    let mut body = request(&with(&[("peck_mm", Value::Null), ("return_to", json!("start"))]), "fanuc");
+    let higher = with(&[("top_z_mm", json!(5)), ("retract_z_mm", json!(7))]);
+    body["toolpath"]["passes"][0]["moves"].as_array_mut().expect("a list").push(higher);
+    let violations = write(&body, "gcode").await.violations();
+    assert_eq!(violations, [("missing_field".to_owned(), "#/toolpath/passes/0/moves/0/peck_mm".to_owned())]);
 }

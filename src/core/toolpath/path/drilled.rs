@@ -20,6 +20,7 @@ impl Builder {
         if places.is_empty() {
             return Err(CycleError::NoHoles.into());
         }
+        let hole = hole.simplified();
         let of_hole = n_moves_of_hole(hole.retract_z_mm - hole.bottom_z_mm, hole.peck_mm);
         self.check_room(of_hole * places.len() as f64)?;
         let first = self.n_moves_of_pass();
@@ -110,6 +111,12 @@ mod tests {
     }
 
     #[test]
+    fn a_peck_that_reaches_the_bottom_is_no_peck() {
+        let pecked = heights(hole(CycleKind::Peck, Some(7.0), ReturnTo::Start));
+        assert_eq!(pecked, heights(hole(CycleKind::Drill, None, ReturnTo::Start)));
+    }
+
+    #[test]
     fn the_tool_stays_at_the_retract_plane_between_holes() {
         let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 30.0));
         let places = vec![Point2::new(1.0, 0.0), Point2::new(2.0, 0.0)];
@@ -137,7 +144,7 @@ mod tests {
         };
         assert_eq!(refused(drill, 30.0, Vec::new()), CycleError::NoHoles.into());
         assert!(matches!(refused(drill, 1.0, place()), PathError::Cycle(CycleError::StartsBelow { .. })));
-        for (bottom_z_mm, top_z_mm) in [(0.0, 0.0), (-7.0, 3.0), (f64::NAN, 0.0)] {
+        for (bottom_z_mm, top_z_mm) in [(0.0, 0.0), (-7.0, 3.0), (-7.0, 2.0), (f64::NAN, 0.0)] {
             let wrong = Hole { bottom_z_mm, top_z_mm, ..drill };
             assert_eq!(refused(wrong, 30.0, place()), CycleError::Heights.into());
         }

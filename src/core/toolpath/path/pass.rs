@@ -57,6 +57,16 @@ impl Pass {
         &self.cycles
     }
 
+    /// The moves for which no canned cycle stands.
+    pub fn moves_outside_cycles(&self) -> impl Iterator<Item = &Move> {
+        let mut cycles = self.cycles.iter().peekable();
+        let mut is_outside = move |k: usize| {
+            while cycles.next_if(|cycle| cycle.moves.end <= k).is_some() {}
+            cycles.peek().is_none_or(|cycle| k < cycle.moves.start)
+        };
+        self.moves.iter().enumerate().filter(move |(k, _)| is_outside(*k)).map(|(_, step)| step)
+    }
+
     /// The positions of the rotary axes, where the toolpath was made for a machine.
     pub fn rotary(&self) -> Option<&RotaryPositions> {
         self.rotary.as_ref()

@@ -102,7 +102,8 @@ impl Reader<'_> {
         }
         let (kind, peck_mm) = match (definition.get(202), definition.get(208)) {
             (Some(peck), None) if peck == -depth => (CycleKind::Drill, None),
-            (Some(peck), None) if peck < -depth => (CycleKind::Peck, Some(peck)),
+            // After each peck a rapid goes down the hole to Q200 above what was drilled.
+            (Some(peck), None) if peck < -depth && clearance > 0.0 => (CycleKind::Peck, Some(peck)),
             (None, Some(up)) if up == feed => (CycleKind::Ream, None),
             _ => return Err(range),
         };
@@ -124,10 +125,12 @@ impl Reader<'_> {
         }
         let [Some(x), Some(y), Some(z)] = self.at else { return Err(Fault::UnknownStart) };
         let to = [words.get("X").unwrap_or(x), words.get("Y").unwrap_or(y)];
-        if !cycle.goes_down(z) {
+        if !cycle.goes_down(z, returns_mm) {
             return Err(Fault::Cycle);
         }
         self.at = [Some(to[0]), Some(to[1]), Some(returns_mm)];
+        // Whether the feed stays in force behind a cycle is not certain.
+        self.feed = None;
         Ok(Step::Hole(Hole { from: [x, y, z], to, returns_mm, cycle }))
     }
 }

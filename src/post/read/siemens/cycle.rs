@@ -100,7 +100,7 @@ impl Reader<'_> {
         let unit_mm = self.unit_mm()?;
         let [Some(x), Some(y), Some(z)] = self.modal.at else { return Err(Fault::UnknownStart) };
         let to = [('X', x), ('Y', y)].map(|(letter, at)| words.get(letter).map_or(at, |to| to * unit_mm));
-        if !cycle.goes_down(z) || returns_mm < cycle.retract_mm {
+        if !cycle.goes_down(z, returns_mm) {
             return Err(Fault::Cycle);
         }
         self.modal.at = [Some(to[0]), Some(to[1]), Some(returns_mm)];

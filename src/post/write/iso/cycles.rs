@@ -18,6 +18,7 @@ impl Writer<'_> {
         self.plane(Plane::Xy);
         if words.kind != CycleKind::Ream {
             // That cycle states its feed.
+            self.feed = None;
             self.feed(words.feed);
         }
         self.lines.end()?;

@@ -1,12 +1,9 @@
 //! The moves of a toolpath: the same JSON objects in requests and in answers.
 
-mod cycle;
-
 use nalgebra::UnitVector3;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-pub use self::cycle::CycleMove;
 use super::axis::{AxisDirection, components};
 use super::point::{Coordinates, Point};
 use crate::http::decode::tagged::{Kind, by_kind};
@@ -17,7 +14,7 @@ use toolpathd_core::toolpath::{self as core, Role};
 
 by_kind! {
     /// One move of the tool's tip; `kind` says which. The move starts where the move before ended.
-    #[derive(Debug, Clone, PartialEq, Serialize)]
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
     #[serde(tag = "kind", rename_all = "snake_case")]
     Move {
         "rapid" => Rapid(RapidMove),
@@ -26,7 +23,6 @@ by_kind! {
         "parabola" => Parabola(ParabolaMove),
         "turn" => Turn(TurnMove),
         "dwell" => Dwell(DwellMove),
-        "cycle" => Cycle(CycleMove),
     }
 }
 
@@ -201,23 +197,6 @@ impl Move {
                 Self::Turn(TurnMove { _kind, axis, seconds, role })
             }
             core::Move::Dwell { seconds } => Self::Dwell(DwellMove { _kind, seconds }),
-        }
-    }
-
-    /// The number of moves of the toolpath, at most.
-    pub fn count(&self) -> usize {
-        if let Self::Cycle(cycle) = self { cycle.n_moves() } else { 1 }
-    }
-
-    /// The tool axis at its end, where the move states it.
-    pub fn axis(&self) -> Option<Coordinates<3>> {
-        match self {
-            Self::Rapid(RapidMove { axis, .. })
-            | Self::Line(LineMove { axis, .. })
-            | Self::Arc(ArcMove { axis, .. })
-            | Self::Parabola(ParabolaMove { axis, .. }) => *axis,
-            Self::Turn(TurnMove { axis, .. }) => Some(*axis),
-            Self::Dwell(_) | Self::Cycle(_) => None,
         }
     }
 }

@@ -17,7 +17,6 @@ use super::schema::{array_of, reference, schema_of};
 use super::sent_toolpath::{Read, ReadSettings, SentToolpath};
 use super::setup::{JobWithSetup, SentSetup, Setup};
 use super::tool::Tool;
-use super::toolpath::Toolpath;
 use crate::config::Limits;
 use crate::http::decode::IntoJob;
 use crate::http::decode::object;
@@ -41,7 +40,6 @@ const ARC_TOLERANCE_STEPS: f64 = 1.5;
 pub struct WriteRequest {
     /// The toolpath, in the form in which other endpoints return it.
     #[serde(deserialize_with = "object::required")]
-    #[schema(value_type = Toolpath)]
     toolpath: SentToolpath,
     /// How the NC program is written. Default: for LinuxCNC in mm.
     #[serde(default, deserialize_with = "object::required")]
@@ -202,7 +200,8 @@ pub fn conditions(
 /// and of canned cycles the height of the material.
 /// Zero without feed moves.
 fn highest_cut_mm(toolpath: &core::Toolpath) -> f64 {
-    let heights = toolpath.moves().filter_map(|step| match step {
+    let moves = toolpath.passes().iter().flat_map(Pass::moves_outside_cycles);
+    let heights = moves.filter_map(|step| match step {
         Move::Feed { along, role: Role::Cut | Role::Link, .. } => {
             Some(along.support(&nalgebra::Vector3::z()))
         }

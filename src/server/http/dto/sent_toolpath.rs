@@ -1,13 +1,17 @@
 //! Toolpaths in requests. They are the same JSON object as toolpaths in answers.
 
 mod cycle;
+mod cycle_move;
+mod moves;
 
 use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
+use utoipa::ToSchema;
 
-use super::axis;
+pub use self::moves::SentMove as Move;
+use super::axis::{self, AxisDirection};
 use super::check::{MAX_MAGNITUDE_MM, Range, Violations};
-use super::moves::{ArcMove, DwellMove, LineMove, Move, ParabolaMove, RapidMove, TurnMove};
+use super::moves::{ArcMove, DwellMove, LineMove, ParabolaMove, RapidMove, TurnMove};
 use super::point::{Coordinates, Point};
 use super::toolpath::MAX_LEVEL;
 use crate::http::decode::object;
@@ -24,21 +28,35 @@ use toolpathd_core::toolpath::units::FeedRate;
 /// Longest legal pause, s.
 const MAX_DWELL_S: f64 = 86_400.0;
 
-/// A toolpath in a request.
-#[derive(Debug, Deserialize)]
+/// The moves of the tool's tip, in mm, in the form in which other endpoints return them. Each move starts
+/// where the move before ended.
+#[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SentToolpath {
+    /// Where the tip stands before the first move, in mm.
     start: Point,
+    /// The passes, in the order of cutting.
     #[serde(deserialize_with = "object::list")]
     passes: Vec<SentPass>,
 }
 
-#[derive(Debug, Deserialize)]
+/// Moves that belong together: one pass with the way to the pass.
+#[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct SentPass {
+    /// A number of the depth level that the pass belongs to. The program does not depend on it.
+    #[schema(maximum = 1_000_000)]
     level: Option<u32>,
+    /// The tool axis at the start of the pass: three plain numbers without a unit. Where it differs from the
+    /// axis before, the tool turns about its resting tip between the passes. Default: straight up,
+    /// `[0, 0, 1]`; where moves have an `axis`, the axis before the pass, or else the axis of the first such
+    /// move.
+    #[schema(value_type = Option<AxisDirection>)]
     axis: Option<Coordinates<3>>,
+    /// Where the tip stands before the first move of the pass, in mm, if the pass before ends elsewhere.
+    /// Answers of `/v1/programs/read` have it. No program can be written of such a toolpath.
     start: Option<Point>,
+    /// The moves, in order.
     moves: Vec<Move>,
 }
 

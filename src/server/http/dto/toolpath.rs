@@ -40,8 +40,7 @@ pub struct Pass {
     level: Option<u32>,
     /// The tool axis at the start of the pass: three plain numbers without a unit. Where it differs from the
     /// axis before, the tool turns about its resting tip between the passes. Absent where the axis is
-    /// straight up throughout. Default in a request: straight up, `[0, 0, 1]`; where moves have an `axis`,
-    /// the axis before the pass, or else the axis of the first such move.
+    /// straight up throughout.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<AxisDirection>)]
     axis: Option<Coordinates<3>>,

@@ -5,7 +5,7 @@
 //! # Method
 //! Each type is defined once, in Rust. Schemas that only requests or only answers reach change in place. Of a
 //! schema that both reach, and that differs, answers keep the name, and requests get a copy with the name
-//! `Given` in front: `GivenToolpath` beside `Toolpath`. A schema also differs where it refers to one that
+//! `Given` in front: `GivenLineMove` beside `LineMove`. A schema also differs where it refers to one that
 //! does.
 
 use std::collections::BTreeSet;

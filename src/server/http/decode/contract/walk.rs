@@ -28,7 +28,7 @@ const LARGEST_WHOLE: f64 = 9e15;
 const DIALECTS: &str = "DialectName";
 
 /// The union, and its kinds that reports count and this version cannot read yet.
-const PLANNED: (&str, &[&str]) = ("Move", &["spline"]);
+const PLANNED: (&str, &[&str]) = ("SentMove", &["spline"]);
 
 /// What the decoder always refuses. Other violations may be left to the rules of the request.
 const REFUSED: [FieldCode; 5] = [

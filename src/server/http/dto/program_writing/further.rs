@@ -11,7 +11,6 @@ use crate::http::dto::meta::MAX_TEXT_CHARACTERS;
 use crate::http::dto::program::WorkOffset;
 use crate::http::dto::sent_toolpath::{Read, ReadSettings, SentToolpath};
 use crate::http::dto::tool::Tool;
-use crate::http::dto::toolpath::Toolpath;
 use crate::http::error::FieldCode;
 use crate::http::messages;
 use crate::http::pointer::Pointer;
@@ -32,7 +31,6 @@ pub struct FurtherOperation {
     name: Option<String>,
     /// The toolpath, with a tool axis that is straight up.
     #[serde(deserialize_with = "object::required")]
-    #[schema(value_type = Toolpath)]
     toolpath: SentToolpath,
     /// The tool. Default: the tool of the operation before, which then stays in the spindle.
     #[serde(default, deserialize_with = "object::optional")]

@@ -1,10 +1,8 @@
 //! Canned cycles in a toolpath of a request.
 
-use nalgebra::Point2;
-
+use super::cycle_move::CycleMove;
 use super::{Reader, check_point};
 use crate::http::dto::check::Range;
-use crate::http::dto::moves::CycleMove;
 use crate::http::dto::point::Coordinates;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
@@ -35,12 +33,8 @@ impl Reader<'_> {
             let places = sent.places.iter().map(|&place| place.into()).collect();
             let added = self.builder.cycle(hole, places);
             self.blame(added, at);
-        } else if let Some(last) = sent.places.last() {
-            // Later moves start where the cycle would have ended.
-            let Point2 { coords, .. } = (*last).into();
-            let added = self.builder.rapid([coords.x, coords.y, sent.retract_z_mm].into());
-            self.blame(added, at);
         }
+        // After a violation the tool stays where the cycle starts: high enough for all that follows.
     }
 
     fn check_places(&mut self, sent: &CycleMove, at: &impl Fn() -> Pointer) {
@@ -55,6 +49,7 @@ impl Reader<'_> {
 
     fn check_heights(&mut self, sent: &CycleMove, at: &impl Fn() -> Pointer) {
         let &CycleMove { top_z_mm, retract_z_mm, bottom_z_mm, .. } = sent;
+        let before = self.violations.total();
         for (field, height) in
             [("top_z_mm", top_z_mm), ("retract_z_mm", retract_z_mm), ("bottom_z_mm", bottom_z_mm)]
         {
@@ -62,15 +57,18 @@ impl Reader<'_> {
                 self.violations.number(&at().field(field), height, Range::COORDINATE, "mm");
             }
         }
+        if self.violations.total() > before {
+            return;
+        }
         if bottom_z_mm >= top_z_mm {
             let detail = format!(
                 "`bottom_z_mm` is {bottom_z_mm} mm, and the material begins at z = {top_z_mm} mm: send a height below that"
             );
             self.violations.add(&at().field("bottom_z_mm"), FieldCode::OutOfRange, detail);
         }
-        if retract_z_mm < top_z_mm {
+        if retract_z_mm <= top_z_mm {
             let detail = format!(
-                "`retract_z_mm` is {retract_z_mm} mm, inside the material, which begins at z = {top_z_mm} mm: send that height or more"
+                "`retract_z_mm` is {retract_z_mm} mm, and the tool comes down there as a rapid, but the material begins at z = {top_z_mm} mm: send a height above that"
             );
             self.violations.add(&at().field("retract_z_mm"), FieldCode::HeightBelowTop, detail);
         }

@@ -81,8 +81,7 @@ fn legend(scene: &Scene, used: &[Class], projection: Projection) -> (String, f64
         entry(&|y| marks::datum(middle(y)), "zero");
         entry(&|y| marks::start(middle(y)), "start");
         entry(&|y| marks::cross(middle(y)), "end");
-        let is_drilled =
-            scene.toolpath.is_some_and(|path| path.passes().iter().any(|pass| !pass.cycles().is_empty()));
+        let is_drilled = scene.toolpath.is_some_and(|path| !marks::places_of_holes(path).is_empty());
         if projection == Projection::FirstAngle && is_drilled {
             entry(&|y| marks::hole(middle(y)), "hole");
         }

@@ -58,13 +58,17 @@ pub fn cross(at: Point2<f64>) -> String {
     )
 }
 
-/// The marks of the holes of canned cycles, which the plan sees from above.
+/// The places of holes of canned cycles; none where they are too many to be marked.
+pub fn places_of_holes(toolpath: &Toolpath) -> Vec<Point2<f64>> {
+    let places = toolpath.passes().iter().flat_map(Pass::cycles).flat_map(|cycle| &cycle.places);
+    let places: Vec<_> = places.take(MOST_HOLES + 1).copied().collect();
+    if places.len() > MOST_HOLES { Vec::new() } else { places }
+}
+
+/// The marks of holes, which the plan sees from above.
 fn holes(toolpath: &Toolpath, view: &View) -> String {
-    let places = || toolpath.passes().iter().flat_map(Pass::cycles).flat_map(|cycle| &cycle.places);
-    if places().take(MOST_HOLES + 1).count() > MOST_HOLES {
-        return String::new();
-    }
-    places().map(|place| hole(view.project(&Point3::new(place.x, place.y, 0.0)))).collect()
+    let mark = |place: &Point2<f64>| hole(view.project(&Point3::new(place.x, place.y, 0.0)));
+    places_of_holes(toolpath).iter().map(mark).collect()
 }
 
 /// The mark of a hole: an upright cross.

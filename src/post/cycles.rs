@@ -1,5 +1,7 @@
 //! Canned cycles as they are written.
 
+use std::ops::RangeInclusive;
+
 use super::WriteError;
 use super::dialect::{Dialect, Syntax};
 use super::words::{self, FeedWord};
@@ -7,12 +9,32 @@ use toolpathd_core::toolpath::cycle::{Cycle, CycleKind, Hole, PECK_CLEARANCE_MM,
 use toolpathd_core::toolpath::program::{Resolution, Units};
 use toolpathd_core::toolpath::quantize::Grid;
 
+/// The distances of the retract plane from the material from which cycle 200 drills in pecks, mm. After each
+/// peck a rapid goes down the hole to this distance above what was drilled: less would be too near, and more
+/// would be drilled again.
+const CLEARANCES_OF_PECKS_MM: RangeInclusive<f64> = PECK_CLEARANCE_MM..=5.0;
+
 /// Whether cycle 200 or 201 makes the hole. What their feeds count in a program in inches is not certain.
-/// After each peck a rapid goes down the hole to the distance of the retract plane from the material above
-/// what was drilled.
 fn is_for_klartext(hole: &Hole, units: Units) -> bool {
-    let is_clear = hole.retract_z_mm - hole.top_z_mm >= PECK_CLEARANCE_MM || !hole.kind.pecks();
-    units == Units::Mm && is_clear
+    let above_mm = hole.retract_z_mm - hole.top_z_mm;
+    units == Units::Mm && (CLEARANCES_OF_PECKS_MM.contains(&above_mm) || !hole.kind.pecks())
+}
+
+/// Refuses a cycle whose heights rounding joins: the tool comes down to the retract plane as a rapid, so the
+/// plane has to be above the material.
+///
+/// # Errors
+/// When it is not, or nothing is left of the depth.
+pub fn check_heights(hole: &Hole, grid: &Grid) -> Result<(), WriteError> {
+    let Hole { top_z_mm, retract_z_mm, bottom_z_mm, .. } = *hole;
+    let [retract, bottom] = [grid.units(retract_z_mm)?, grid.units(bottom_z_mm)?];
+    let top = grid.units(top_z_mm)?;
+    let is_above = grid.mm(retract) > top_z_mm && retract > top;
+    if is_above && bottom < top {
+        Ok(())
+    } else {
+        Err(WriteError::CycleHeights { top_z_mm, retract_z_mm, bottom_z_mm })
+    }
 }
 
 /// A canned cycle, but for the places of its holes. Heights are in units of the last decimal.
@@ -33,8 +55,7 @@ pub struct CycleWords {
 
 impl CycleWords {
     /// The words of a cycle. `None` where its moves have to be written instead: where the dialect has no
-    /// words for it, and where rounding leaves nothing of the hole or of a peck, or puts the retract plane
-    /// above the start.
+    /// words for it, and where rounding leaves nothing of a peck.
     ///
     /// # Errors
     /// When a number or the pause is too large.
@@ -56,24 +77,13 @@ impl CycleWords {
             peck: hole.peck_mm.map_or(Ok(0), |peck| grid.units(peck))?,
             dwell_ms: (hole.dwell_s * 1000.0).round() as u64,
             feed: words::feed(hole.rate, resolution.units, &dialect.numbers)?,
-            returns: 0,
+            returns: grid.units(cycle.return_z_mm())?,
             return_to: hole.return_to,
-        };
-        if grid.mm(words.retract) <= hole.top_z_mm {
-            // The tool comes down there as a rapid.
-            words.retract += 1;
-        }
-        let start = grid.units(cycle.start_z_mm)?;
-        words.returns = match hole.return_to {
-            ReturnTo::RetractPlane => words.retract,
-            ReturnTo::Start => start,
         };
         if words.peck >= words.top - words.bottom {
             // Rounding has made one peck of several.
             (words.kind, words.peck) = (CycleKind::Drill, 0);
         }
-        let is_hole =
-            words.bottom < words.top && words.retract <= start && (words.peck > 0 || !words.kind.pecks());
-        Ok(is_hole.then_some(words))
+        Ok((words.peck > 0 || !words.kind.pecks()).then_some(words))
     }
 }

@@ -212,6 +212,10 @@ pub enum WriteError {
     Feed { mm_per_min: f64 },
     #[error("a dwell of {seconds} s is longer than the {most_s} s that the control reads; divide the dwell")]
     Dwell { seconds: f64, most_s: f64 },
+    #[error(
+        "rounded to the decimals of the program, nothing is left between the heights of a canned cycle: the retract plane at {retract_z_mm} mm, the material at {top_z_mm} mm, the bottom at {bottom_z_mm} mm; choose more decimals, or heights farther apart"
+    )]
+    CycleHeights { top_z_mm: f64, retract_z_mm: f64, bottom_z_mm: f64 },
     #[error("the toolpath leans or turns the tool, and no machine is given")]
     MachineMissing,
     #[error("the dialect cannot write the tool axis in this way; choose another way or another dialect")]

@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Point3};
 
 use super::block::{Block, Blocks};
-use super::cycles::CycleWords;
+use super::cycles::{CycleWords, check_heights};
 use super::dialect::{Arcs, Dialect};
 use super::helix;
 use super::posed::{self, Posed, Slowed};
@@ -15,7 +15,7 @@ use toolpathd_core::geometry::curve::{Curve, Direction};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::cycle::Cycle;
-use toolpathd_core::toolpath::path::{Move, Role};
+use toolpathd_core::toolpath::path::{Move, Pass, Role};
 use toolpathd_core::toolpath::program::Resolution;
 use toolpathd_core::toolpath::quantize::{self, Form, Grid, Written};
 use toolpathd_core::toolpath::units::FeedRate;
@@ -47,6 +47,9 @@ pub fn lower(
     from: Option<[i64; 3]>,
     budget: &Budget,
 ) -> Result<Lowered, WriteError> {
+    let grid = Grid::new(job.program.resolution);
+    let mut cycles = toolpath.passes().iter().flat_map(Pass::cycles);
+    cycles.try_for_each(|cycle| check_heights(&cycle.hole, &grid))?;
     if let Some(five) = job.five_axes {
         let Posed { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed } =
             posed::lower(toolpath, &five, job, budget)?;

@@ -12,6 +12,9 @@ use super::units::FeedRate;
 /// setting.
 pub const PECK_CLEARANCE_MM: f64 = 0.5;
 
+/// A last peck of less than this is the rounding of a sum, mm: there is none.
+const LEAST_PECK_MM: f64 = 1e-6;
+
 /// How a hole is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, serde::Deserialize, utoipa::ToSchema))]
@@ -107,14 +110,6 @@ pub enum CycleError {
     Leans,
 }
 
-/// The number of moves of one hole of this depth below the retract plane, at most.
-pub fn n_moves_of_hole(depth_mm: f64, peck_mm: Option<f64>) -> f64 {
-    const WITHOUT_PECKS: f64 = 6.0;
-    const OF_PECK: f64 = 3.0;
-    let pecks = peck_mm.map_or(0.0, |peck| (depth_mm / peck).ceil());
-    WITHOUT_PECKS + OF_PECK * pecks.max(0.0)
-}
-
 impl Hole {
     /// The same hole. A peck that reaches the bottom from the top is no peck.
     #[must_use]
@@ -125,6 +120,27 @@ impl Hole {
         } else {
             self
         }
+    }
+
+    /// The number of pecks before the last, each with the way back.
+    pub fn n_pecks(&self) -> f64 {
+        let depth_mm = self.retract_z_mm - self.bottom_z_mm;
+        self.peck_mm.map_or(0.0, |peck| ((depth_mm - LEAST_PECK_MM) / peck).ceil() - 1.0).max(0.0)
+    }
+
+    /// The number of moves of `n` holes, at most.
+    pub fn n_moves(&self, n: usize) -> f64 {
+        // Across, down the hole, and up.
+        const OF_HOLE: f64 = 3.0;
+        let returns_high = self.return_to == ReturnTo::Start;
+        let of_peck = if self.kind == CycleKind::Peck { 3.0 } else { 2.0 };
+        let down = f64::from(u8::from(returns_high));
+        let pause = f64::from(u8::from(self.dwell_s > 0.0));
+        // At feed to the retract plane, and up from there.
+        let out = f64::from(u8::from(self.kind == CycleKind::Ream && returns_high));
+        let of_hole = OF_HOLE + of_peck * self.n_pecks() + down + pause + out;
+        // The first hole may begin with a way down.
+        of_hole * n as f64 + 1.0
     }
 
     /// Checks the holes of a cycle that starts at this height.

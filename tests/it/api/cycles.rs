@@ -124,6 +124,14 @@ async fn a_cycle_of_very_many_moves_and_one_of_a_leaning_tool_are_refused() {
 }
 
 #[tokio::test]
+async fn decimals_that_join_the_heights_of_a_cycle_are_refused() {
+    let mut body = request(&with(&[("retract_z_mm", json!(0.04))]), "grbl");
+    body["program"]["decimals"] = json!(1);
+    let violations = write(&body, "gcode").await.violations();
+    assert_eq!(violations, [("out_of_range".to_owned(), "#/program/decimals".to_owned())]);
+}
+
+#[tokio::test]
 async fn an_illegal_cycle_blames_no_move_behind_it() {
     let mut body = request(&with(&[("peck_mm", Value::Null), ("return_to", json!("start"))]), "fanuc");
     let higher = with(&[("top_z_mm", json!(5)), ("retract_z_mm", json!(7))]);

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use super::super::cycle::{Cycle, CycleError, CycleKind, Hole, PECK_CLEARANCE_MM, ReturnTo, n_moves_of_hole};
+use super::super::cycle::{Cycle, CycleError, CycleKind, Hole, PECK_CLEARANCE_MM, ReturnTo};
 use super::{Builder, PathError, Role};
 
 impl Builder {
@@ -21,8 +21,7 @@ impl Builder {
             return Err(CycleError::NoHoles.into());
         }
         let hole = hole.simplified();
-        let of_hole = n_moves_of_hole(hole.retract_z_mm - hole.bottom_z_mm, hole.peck_mm);
-        self.check_room(of_hole * places.len() as f64)?;
+        self.check_room(hole.n_moves(places.len()))?;
         let first = self.n_moves_of_pass();
         for place in &places {
             self.hole(&hole, place, start_z_mm)?;
@@ -39,12 +38,8 @@ impl Builder {
         self.rapid_unless_there(at(self.at().z))?;
         self.rapid_unless_there(at(retract_z_mm))?;
         if let Some(peck) = peck_mm {
-            // Counted, because a small peck may be lost in a large height.
-            for k in 1.. {
-                let depth = retract_z_mm - f64::from(k) * peck;
-                if depth <= bottom_z_mm {
-                    break;
-                }
+            for k in 1..=hole.n_pecks() as u64 {
+                let depth = retract_z_mm - k as f64 * peck;
                 self.line(at(depth), rate, Role::Plunge)?;
                 if kind == CycleKind::Peck {
                     self.rapid(at(retract_z_mm))?;
@@ -114,6 +109,42 @@ mod tests {
     fn a_peck_that_reaches_the_bottom_is_no_peck() {
         let pecked = heights(hole(CycleKind::Peck, Some(7.0), ReturnTo::Start));
         assert_eq!(pecked, heights(hole(CycleKind::Drill, None, ReturnTo::Start)));
+    }
+
+    #[test]
+    fn a_sum_that_is_rounded_adds_no_peck_and_the_count_of_moves_bounds_them() {
+        let rate = FeedRate::from_mm_per_min(200.0).unwrap();
+        for k in 1..200_u32 {
+            let (peck, pecks) = (0.1 * f64::from(k % 37 + 1), k % 11 + 2);
+            let retract_z_mm = 0.1 * f64::from(k);
+            let bottom_z_mm = retract_z_mm - peck * f64::from(pecks);
+            let top_z_mm = retract_z_mm - 0.5 * peck;
+            for (kind, return_to) in [CycleKind::Peck, CycleKind::ChipBreak]
+                .into_iter()
+                .flat_map(|kind| [ReturnTo::Start, ReturnTo::RetractPlane].map(|to| (kind, to)))
+            {
+                let peck_mm = Some(peck);
+                let hole = Hole {
+                    kind,
+                    top_z_mm,
+                    retract_z_mm,
+                    bottom_z_mm,
+                    peck_mm,
+                    dwell_s: 0.0,
+                    rate,
+                    return_to,
+                };
+                let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 30.0));
+                path.cycle(hole, vec![Point2::new(1.0, 0.0), Point2::new(2.0, 0.0)]).unwrap();
+                let path = path.finish().unwrap();
+                let fed = path.moves().filter(|step| matches!(step, Move::Feed { .. })).count();
+                assert_eq!(fed, 2 * pecks as usize, "{k}");
+                let count = path.moves().count() as f64;
+                assert!(count <= hole.n_moves(2), "{k}");
+                // A small peck comes back to the retract plane.
+                assert!(hole.n_moves(2) <= count + 3.0 || peck <= PECK_CLEARANCE_MM, "{k}");
+            }
+        }
     }
 
     #[test]

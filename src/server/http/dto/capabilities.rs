@@ -61,7 +61,8 @@ pub struct Dialect {
     /// Whether programs can pause.
     dwells: bool,
     /// The canned cycles that programs have. All others are written as moves. `heidenhain` has none in
-    /// programs in inches, and no pecks where the retract plane is less than 0.5 mm above the material.
+    /// programs in inches, and no pecks where the retract plane is less than 0.5 mm or more than 5 mm above
+    /// the material.
     cycles: &'static [CycleKind],
     /// Whether a program can have several tools, one after the other.
     tool_changes: bool,

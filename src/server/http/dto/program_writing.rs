@@ -38,7 +38,7 @@ const ARC_TOLERANCE_STEPS: f64 = 1.5;
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WriteRequest {
-    /// The toolpath, in the form in which other endpoints return it.
+    /// The toolpath: moves as other endpoints return them, and canned cycles.
     #[serde(deserialize_with = "object::required")]
     toolpath: SentToolpath,
     /// How the NC program is written. Default: for LinuxCNC in mm.

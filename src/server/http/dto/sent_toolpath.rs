@@ -1,4 +1,4 @@
-//! Toolpaths in requests. They are the same JSON object as toolpaths in answers.
+//! Toolpaths in requests: moves as other endpoints return them, and canned cycles.
 
 mod cycle;
 mod cycle_move;
@@ -28,8 +28,8 @@ use toolpathd_core::toolpath::units::FeedRate;
 /// Longest legal pause, s.
 const MAX_DWELL_S: f64 = 86_400.0;
 
-/// The moves of the tool's tip, in mm, in the form in which other endpoints return them. Each move starts
-/// where the move before ended.
+/// Moves of the tool's tip as other endpoints return them, and canned cycles. In mm. Each move starts where
+/// the move before ended.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SentToolpath {

@@ -82,6 +82,7 @@ impl ApiError {
                 unsupported(path, format!("{fact}; {advice}"))
             }
             WriteError::SmallTolerance { .. } => out_of_range("/program/smoothing", fact),
+            WriteError::CycleHeights { .. } => out_of_range("/program/decimals", fact),
             WriteError::NoDwells => unsupported("/program/dialect", fact),
             // Block numbers and decimals make lines long.
             WriteError::LineTooLong { .. } => out_of_range("/program/decimals", fact),

@@ -7,7 +7,6 @@ use crate::http::dto::point::Coordinates;
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use toolpathd_core::toolpath::Role;
-use toolpathd_core::toolpath::cycle::Hole;
 
 /// The longest pause at the bottom of a hole, s.
 const DWELL_S: Range = Range { min: 0.0, max: 3600.0 };
@@ -19,16 +18,7 @@ impl Reader<'_> {
         self.check_heights(sent, &at);
         self.check_of_kind(sent, &at);
         let rate = self.feed(sent.feed_mm_per_min, Role::Plunge, &at);
-        let hole = Hole {
-            kind: sent.cycle,
-            top_z_mm: sent.top_z_mm,
-            retract_z_mm: sent.retract_z_mm,
-            bottom_z_mm: sent.bottom_z_mm,
-            peck_mm: sent.peck_mm,
-            dwell_s: sent.dwell_s.unwrap_or_default(),
-            rate,
-            return_to: sent.return_to,
-        };
+        let hole = sent.hole(rate);
         if self.violations.total() == before {
             let places = sent.places.iter().map(|&place| place.into()).collect();
             let added = self.builder.cycle(hole, places);

@@ -8,13 +8,14 @@ use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Range;
 use crate::http::dto::point::PlanePoint;
 use crate::http::dto::schema::{array_of, reference, schema_of};
-use toolpathd_core::toolpath::cycle::{CycleKind, ReturnTo, n_moves_of_hole};
+use toolpathd_core::toolpath::cycle::{CycleKind, Hole, ReturnTo};
+use toolpathd_core::toolpath::units::FeedRate;
 
 /// A canned cycle: holes along Z, one after the other. The tool goes across to a hole as a rapid at the
 /// height where it is, then down to the retract plane as a rapid, and then makes the hole. Between holes it
 /// goes across at the height that `return_to` chooses. A dialect that has the cycle writes its word; which
 /// has which, `/v1/dialects` says. All other dialects write the moves, and so does every dialect where the
-/// tool leans or turns elsewhere in the toolpath. In the cycle itself the tool has to be straight up.
+/// request has a `machine`, and where rounding leaves nothing of a peck. The tool has to be straight up.
 #[derive(Debug, Clone, PartialEq, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CycleMove {
@@ -39,13 +40,14 @@ pub struct CycleMove {
     /// Height of the tip at the bottom of the holes, in mm: below `top_z_mm`.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     pub bottom_z_mm: f64,
-    /// Depth of a peck, in mm. `chip_break` and `peck` need it; no other cycle takes it. A peck that
-    /// reaches from `top_z_mm` to `bottom_z_mm` makes the cycle a `drill`. How far above the bottom a rapid
-    /// stops when the tool comes back after a peck is a setting of the control; for `heidenhain` it is the
-    /// distance of the retract plane from the material; where the program has the moves, it is 0.5 mm.
+    /// Depth of a peck, in mm. `chip_break` and `peck` need it; no other cycle takes it. A peck that reaches
+    /// from `top_z_mm` to `bottom_z_mm` makes the cycle a `drill`. After a peck with a full retract, a rapid
+    /// comes back to a little above the depth that was drilled; how far is a setting of the control, and for
+    /// `heidenhain` the distance of the retract plane from the material. In written moves it is 0.5 mm, and
+    /// pecks count from the retract plane.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     pub peck_mm: Option<f64>,
-    /// Pause at the bottom, in s. `drill` and `ream` take it. Default: none.
+    /// Pause at the bottom, in s. `drill` and `ream` take it, in dialects with `dwells`. Default: none.
     #[schema(minimum = 0, maximum = 3600)]
     pub dwell_s: Option<f64>,
     /// Feed, in mm/min. Default: the feed of plunges of `cutting`.
@@ -60,7 +62,7 @@ pub struct CycleMove {
 }
 
 schema_of!(HolePlaces of PlanePoint, "Places in the plane, in mm.", {
-    array_of(reference::<PlanePoint>(), 1, Limits::DEFAULT.moves)
+    array_of(reference::<PlanePoint>(), 1, Limits::DEFAULT.moves / 3)
 });
 
 impl CycleMove {
@@ -69,8 +71,21 @@ impl CycleMove {
         // A peck or a height that is refused makes no pecks.
         let has_heights = [self.retract_z_mm, self.bottom_z_mm].iter().all(|z| Range::COORDINATE.holds(*z));
         let peck_mm = self.peck_mm.filter(|peck| has_heights && Range::POSITIVE.holds(*peck));
-        let of_hole = n_moves_of_hole(self.retract_z_mm - self.bottom_z_mm, peck_mm);
+        let hole = Hole { peck_mm, ..self.hole(FeedRate::DEFAULT_RAPID) };
         // A count beyond all numbers is the largest.
-        (of_hole * self.places.len() as f64) as usize
+        hole.n_moves(self.places.len()) as usize
+    }
+
+    pub fn hole(&self, rate: FeedRate) -> Hole {
+        Hole {
+            kind: self.cycle,
+            top_z_mm: self.top_z_mm,
+            retract_z_mm: self.retract_z_mm,
+            bottom_z_mm: self.bottom_z_mm,
+            peck_mm: self.peck_mm,
+            dwell_s: self.dwell_s.unwrap_or_default(),
+            rate,
+            return_to: self.return_to,
+        }
     }
 }

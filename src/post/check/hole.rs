@@ -23,6 +23,6 @@ pub fn difference(
         (is_near(cycle.bottom_mm, words.bottom), "depth"),
         (is_peck, "depth of a peck"),
         ((cycle.dwell_s * 1000.0 - words.dwell_ms as f64).abs() <= DWELL_AGREEMENT_MS, "dwell"),
-        (is_near(hole.returns_mm, words.returns), "height of the return"),
+        (is_near(cycle.returns_mm, words.returns), "height of the return"),
     ])
 }

@@ -17,6 +17,7 @@ use self::control::{Control, Dwell};
 use self::posed::Leaning;
 use self::words::Words;
 use super::cut::Cut;
+use super::hole::Cycle;
 use super::state::{Calls, MachineState};
 use super::{Language, Step};
 use crate::nc::{Distance, Fault, FeedMode, Modal, Motion, effect, modal_group};
@@ -62,7 +63,7 @@ pub struct Reader {
     modal: Modal<f64, FeedRate>,
     leaning: Leaning,
     smoothing: Option<Smoothing>,
-    cycle: Option<cycle::InForce>,
+    cycle: Option<Cycle>,
     state: MachineState,
     program: Option<u32>,
     /// No mode is taken for granted, neither at the start nor behind a change from one tool to another.

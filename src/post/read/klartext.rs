@@ -37,6 +37,7 @@ mod words;
 use nalgebra::Point3;
 
 use self::words::{Functions, Limits, Words};
+use super::hole::Cycle;
 use super::number::Number;
 use super::state::{Calls, FIRST_WORK_OFFSET, MachineState};
 use super::{Language, Step, TipMode};
@@ -119,7 +120,7 @@ pub struct Reader<'a> {
     high_corner: Option<Point3<f64>>,
     /// A canned cycle whose definition is under way.
     definition: Option<cycle::Definition>,
-    cycle: Option<cycle::InForce>,
+    cycle: Option<Cycle>,
     state: MachineState,
     /// Neither position nor feed is taken for granted behind a change from one tool to another.
     is_strict: bool,

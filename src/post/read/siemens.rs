@@ -31,6 +31,7 @@ mod rails;
 mod words;
 
 use self::words::{Keyword, Words};
+use super::hole::Cycle;
 use super::number::Number;
 use super::state::{Calls, MachineState, Spindle};
 use super::{Language, Step, TipMode};
@@ -84,7 +85,7 @@ pub struct Reader<'a> {
     /// Whether the last motion with a vector has left the rotary axes at unknown angles.
     has_lost_axis: bool,
     smoothing: Option<Smoothing>,
-    cycle: Option<cycle::InForce>,
+    cycle: Option<Cycle>,
     /// All but the length offset, which is the cutting edge.
     state: MachineState,
     /// No mode is taken for granted behind a change from one tool to another.

@@ -86,8 +86,8 @@ fn motions(hole: &Hole) -> Vec<Motion> {
     }
     if cycle.kind == CycleKind::Ream {
         // G89 keeps the feed up to where the hole ends, G85 up to R.
-        motions.push(feed(if cycle.dwell_s > 0.0 { hole.returns_mm } else { cycle.retract_mm }));
+        motions.push(feed(if cycle.dwell_s > 0.0 { cycle.returns_mm } else { cycle.retract_mm }));
     }
-    motions.push(rapid(hole.returns_mm));
+    motions.push(rapid(cycle.returns_mm));
     motions
 }

@@ -5,8 +5,9 @@
 //!   Lengths and times agree with `measure`.
 //! * A curve interpolated by parabolas. Every point of the control's path lies within the band of the curve,
 //!   widened by the rounding.
-//! * Random canned cycles, in each dialect of plain words that has them. The control drills each hole from the
-//!   retract plane to the bottom, in as many pecks, with the pause, and goes back to where the reader says.
+//! * Random canned cycles, in each dialect of plain words that has them. The reader reads the place of each
+//!   hole, its retract plane, its bottom, the depth of its pecks, its pause, its feed and the height at which
+//!   it ends. The control makes the motions that its manual gives for such a hole.
 //! * Programs of G1 blocks, rewritten with arcs. The control's paths before and after lie within the
 //!   tolerance of each other.
 //! * Every program in the directories given as arguments. The control makes the motions that the reader of

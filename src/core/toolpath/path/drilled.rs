@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use super::super::cycle::{Cycle, CycleError, CycleKind, Hole, PECK_CLEARANCE_MM, ReturnTo};
+use super::super::cycle::{Cycle, CycleError, CycleKind, Hole, PECK_CLEARANCE_MM};
 use super::{Builder, PathError, Role};
 
 impl Builder {
@@ -23,17 +23,20 @@ impl Builder {
         let hole = hole.simplified();
         self.check_room(hole.n_moves(places.len()))?;
         let first = self.n_moves_of_pass();
-        for place in &places {
-            self.hole(&hole, place, start_z_mm)?;
+        let mut cycle = Cycle { moves: first..first, hole, start_z_mm, places };
+        let return_z_mm = cycle.return_z_mm();
+        for place in &cycle.places {
+            self.hole(&hole, place, return_z_mm)?;
         }
         if let Some(pass) = self.passes.last_mut() {
-            pass.cycles.push(Cycle { moves: first..pass.moves.len(), hole, start_z_mm, places });
+            cycle.moves.end = pass.moves.len();
+            pass.cycles.push(cycle);
         }
         Ok(())
     }
 
-    fn hole(&mut self, hole: &Hole, place: &Point2<f64>, start_z_mm: f64) -> Result<(), PathError> {
-        let Hole { kind, retract_z_mm, bottom_z_mm, peck_mm, dwell_s, rate, return_to, .. } = *hole;
+    fn hole(&mut self, hole: &Hole, place: &Point2<f64>, return_z_mm: f64) -> Result<(), PathError> {
+        let Hole { kind, retract_z_mm, bottom_z_mm, peck_mm, dwell_s, rate, .. } = *hole;
         let at = |z| Point3::new(place.x, place.y, z);
         self.rapid_unless_there(at(self.at().z))?;
         self.rapid_unless_there(at(retract_z_mm))?;
@@ -54,16 +57,14 @@ impl Builder {
         if kind == CycleKind::Ream {
             self.line(at(retract_z_mm), rate, Role::LeadOut)?;
         }
-        self.rapid_unless_there(at(match return_to {
-            ReturnTo::RetractPlane => retract_z_mm,
-            ReturnTo::Start => start_z_mm,
-        }))
+        self.rapid_unless_there(at(return_z_mm))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::toolpath::cycle::ReturnTo;
     use crate::toolpath::units::FeedRate;
     use crate::toolpath::{Move, Toolpath};
 

@@ -7,7 +7,7 @@
 //! LinuxCNC, *G-Codes* (G73 to G89, G98, G99); FANUC B-62764EN, 13.1; Haas mill operator's manual, canned
 //! cycles. Where R is above the initial level, controls differ, so such a cycle is refused.
 
-use super::super::hole::{Cycle, Hole};
+use super::super::hole::Cycle;
 use super::control::Dwell;
 use super::words::Words;
 use super::{Reader, Step};
@@ -26,13 +26,6 @@ const CYCLES: [(i32, CycleKind, bool); 6] = [
 ];
 const TO_INITIAL: i32 = 980;
 const TO_RETRACT: i32 = 990;
-
-/// A cycle, and where the tool goes after each hole.
-#[derive(Debug, Clone, Copy)]
-pub struct InForce {
-    cycle: Cycle,
-    returns_mm: f64,
-}
 
 /// Whether a code is read as one of a cycle.
 pub fn takes(code: i32) -> bool {
@@ -71,22 +64,23 @@ impl Reader {
         };
         let per_s = if self.control.dwell == Dwell::Milliseconds { 1000.0 } else { 1.0 };
         own('F')?;
+        let retract_mm = own('R')? * unit_mm;
         let cycle = Cycle {
             kind,
             top_mm: None,
-            retract_mm: own('R')? * unit_mm,
+            retract_mm,
             bottom_mm: own('Z')? * unit_mm,
             peck_mm: only_with('Q', kind.pecks())?.map(|q| q * unit_mm),
             dwell_s: only_with('P', pauses)?.unwrap_or_default() / per_s,
             rate: self.modal.feed.ok_or(Fault::NoFeed)?,
+            returns_mm: retract_mm,
         };
         if self.plane()? != Plane::Xy || self.modal.feed_mode != Some(FeedMode::PerMinute) {
             return Err(Fault::Conflict);
         }
         let initial_mm = self.modal.at[2].ok_or(Fault::UnknownStart)?;
-        let returns_mm = if is_high { initial_mm } else { cycle.retract_mm };
         self.modal.motion = None;
-        self.cycle = Some(InForce { cycle, returns_mm });
+        self.cycle = Some(if is_high { Cycle { returns_mm: initial_mm, ..cycle } } else { cycle });
         self.hole(words)
     }
 
@@ -100,18 +94,13 @@ impl Reader {
     }
 
     fn hole(&mut self, words: &Words) -> Result<Step, Fault> {
-        let InForce { cycle, returns_mm } = self.cycle.ok_or(Fault::NoMotion)?;
+        let cycle = self.cycle.ok_or(Fault::NoMotion)?;
         if self.modal.distance != Some(Distance::Absolute) {
             return Err(Fault::Relative);
         }
         self.leaning.check_off()?;
         let unit_mm = self.unit_mm()?;
-        let [Some(x), Some(y), Some(z)] = self.modal.at else { return Err(Fault::UnknownStart) };
-        let to = [('X', x), ('Y', y)].map(|(letter, at)| words.get(letter).map_or(at, |to| to * unit_mm));
-        if !cycle.goes_down(z, returns_mm) {
-            return Err(Fault::Cycle);
-        }
-        self.modal.at = [Some(to[0]), Some(to[1]), Some(returns_mm)];
-        Ok(Step::Hole(Hole { from: [x, y, z], to, returns_mm, cycle }))
+        let to = ['X', 'Y'].map(|letter| words.get(letter).map(|to| to * unit_mm));
+        cycle.hole(&mut self.modal.at, to).map(Step::Hole)
     }
 }

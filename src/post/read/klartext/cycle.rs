@@ -5,7 +5,7 @@
 //! height from which the tool drills from the surface (Q203), Q201 the depth, and Q204 the distance of the
 //! height at which the tool ends, if that is higher.
 
-use super::super::hole::{Cycle, Hole};
+use super::super::hole::Cycle;
 use super::super::number::Number;
 use super::words::{Speed, Words};
 use super::{Expected, Reader, Step, TipMode};
@@ -54,13 +54,6 @@ impl Definition {
     }
 }
 
-/// A cycle, and where the tool goes after each hole.
-#[derive(Debug, Clone, Copy)]
-pub struct InForce {
-    cycle: Cycle,
-    returns_mm: f64,
-}
-
 impl Reader<'_> {
     pub(super) fn define(&mut self, parameters: Parameters) {
         self.definition = Some(Definition { parameters, values: Vec::new() });
@@ -90,7 +83,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn defined(&self, definition: &Definition) -> Result<InForce, Fault> {
+    fn defined(&self, definition: &Definition) -> Result<Cycle, Fault> {
         let range = Fault::Word("Q", WordFault::Range);
         let own = |number| definition.get(number).ok_or(range);
         let (clearance, depth, feed, top) = (own(200)?, own(201)?, own(206)?, own(203)?);
@@ -112,25 +105,20 @@ impl Reader<'_> {
         }
         let rate = FeedRate::from_mm_per_min(feed).ok_or(range)?;
         let (retract_mm, bottom_mm) = (top + clearance, top + depth);
-        let cycle = Cycle { kind, top_mm: Some(top), retract_mm, bottom_mm, peck_mm, dwell_s, rate };
-        Ok(InForce { cycle, returns_mm: top + second.max(clearance) })
+        let returns_mm = top + second.max(clearance);
+        Ok(Cycle { kind, top_mm: Some(top), retract_mm, bottom_mm, peck_mm, dwell_s, rate, returns_mm })
     }
 
     /// `L X+10 Y+20 R0 FMAX M99`: across, and the cycle there.
     pub(super) fn hole(&mut self, words: &Words) -> Result<Step, Fault> {
-        let InForce { cycle, returns_mm } = self.cycle.ok_or(Fault::Cycle)?;
+        let cycle = self.cycle.ok_or(Fault::Cycle)?;
         let has_others = ["Z", "A", "B", "C"].iter().any(|name| words.get(name).is_some());
         if has_others || words.speed != Some(Speed::Rapid) || self.mode != TipMode::Off {
             return Err(Fault::Conflict);
         }
-        let [Some(x), Some(y), Some(z)] = self.at else { return Err(Fault::UnknownStart) };
-        let to = [words.get("X").unwrap_or(x), words.get("Y").unwrap_or(y)];
-        if !cycle.goes_down(z, returns_mm) {
-            return Err(Fault::Cycle);
-        }
-        self.at = [Some(to[0]), Some(to[1]), Some(returns_mm)];
+        let hole = cycle.hole(&mut self.at, [words.get("X"), words.get("Y")])?;
         // Whether the feed stays in force behind a cycle is not certain.
         self.feed = None;
-        Ok(Step::Hole(Hole { from: [x, y, z], to, returns_mm, cycle }))
+        Ok(Step::Hole(hole))
     }
 }

@@ -5,7 +5,7 @@
 //! SINUMERIK 840D sl, *Programming Manual Cycles*: CYCLE81, CYCLE82, CYCLE83, CYCLE85. RTP, RFP and DP are
 //! heights, SDIS is the distance of the height from which the tool drills from RFP.
 
-use super::super::hole::{Cycle, Hole};
+use super::super::hole::Cycle;
 use super::super::number::Number;
 use super::words::Words;
 use super::{Reader, Step};
@@ -15,13 +15,6 @@ use toolpathd_core::toolpath::cycle::CycleKind;
 use toolpathd_core::toolpath::units::FeedRate;
 
 const CALL: &str = "MCALL";
-
-/// A cycle, and where the tool goes after each hole.
-#[derive(Debug, Clone, Copy)]
-pub struct InForce {
-    cycle: Cycle,
-    returns_mm: f64,
-}
 
 impl Reader<'_> {
     /// `call` is what stands behind MCALL.
@@ -84,28 +77,25 @@ impl Reader<'_> {
             peck_mm: peck,
             dwell_s,
             rate,
+            returns_mm: returns * unit_mm,
         };
-        self.cycle = Some(InForce { cycle, returns_mm: returns * unit_mm });
+        self.cycle = Some(cycle);
         Ok(())
     }
 
     /// A block that moves while a cycle is in force.
     pub(super) fn hole(&mut self, words: &Words) -> Result<Option<Step>, Fault> {
-        let Some(InForce { cycle, returns_mm }) = self.cycle else { return Ok(None) };
+        let Some(cycle) = self.cycle else { return Ok(None) };
         let has_others = words.first_of("ZIJKABCFSTD").is_some() || words.has_vector() || !words.m.is_empty();
         let is_rapid = self.modal.motion == Some(Motion::Rapid) && words.g.iter().all(|code| *code == 0);
         if has_others || !is_rapid || self.has_tip_control {
             return Err(Fault::Conflict);
         }
         let unit_mm = self.unit_mm()?;
-        let [Some(x), Some(y), Some(z)] = self.modal.at else { return Err(Fault::UnknownStart) };
-        let to = [('X', x), ('Y', y)].map(|(letter, at)| words.get(letter).map_or(at, |to| to * unit_mm));
-        if !cycle.goes_down(z, returns_mm) {
-            return Err(Fault::Cycle);
-        }
-        self.modal.at = [Some(to[0]), Some(to[1]), Some(returns_mm)];
+        let to = ['X', 'Y'].map(|letter| words.get(letter).map(|to| to * unit_mm));
+        let hole = cycle.hole(&mut self.modal.at, to)?;
         // Whether the cycle restores the mode of motion is not certain.
         self.modal.motion = None;
-        Ok(Some(Step::Hole(Hole { from: [x, y, z], to, returns_mm, cycle })))
+        Ok(Some(Step::Hole(hole)))
     }
 }

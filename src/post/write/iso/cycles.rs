@@ -30,15 +30,14 @@ impl Writer<'_> {
     pub(super) fn hole(&mut self, [x, y]: [i64; 2], index: u32) -> Result<(), WriteError> {
         let words = self.part.lowered.cycles[index as usize];
         let is_first = self.cycle.replace(index) != Some(index);
-        if self.is_siemens() {
-            // Whether the cycle restores the mode of motion is not certain.
-            self.motion = None;
-            self.motion("G0");
-            self.axis(0, x);
-            self.axis(1, y);
-        } else if is_first {
+        if is_first && !self.is_siemens() {
             self.first_hole([x, y], &words)?;
         } else {
+            if self.is_siemens() {
+                // Whether the cycle restores the mode of motion is not certain.
+                self.motion = None;
+                self.motion("G0");
+            }
             self.axis(0, x);
             self.axis(1, y);
         }
@@ -101,8 +100,10 @@ impl Writer<'_> {
         match words.kind {
             CycleKind::Drill if words.dwell_ms == 0 => format!("CYCLE81({hole})"),
             CycleKind::Drill => format!("CYCLE82({hole},,{dwell})"),
-            // FDPR is the depth of the first peck and DAM = 0 that of all others; no pauses; FRF = 1; the
-            // last number chooses between breaking chips and going up.
+            // The parameters of CYCLE83 behind the bottom. FDPR: the depth of the first peck. DAM = 0: all
+            // other pecks are as deep. DTB and DTS = 0: the tool does not pause. FRF = 1: the first peck has
+            // the feed of the others. VARI = 0: the tool goes back by a little after each peck; VARI = 1: it
+            // goes back to the retract plane.
             CycleKind::ChipBreak => format!("CYCLE83({hole},,,{peck},0,0,0,1,0)"),
             CycleKind::Peck => format!("CYCLE83({hole},,,{peck},0,0,0,1,1)"),
             CycleKind::Ream => format!("CYCLE85({hole},,{dwell},{feed},{feed})"),

@@ -36,8 +36,7 @@ impl Writer<'_> {
 
     fn parameters(&mut self, all: &[(&str, (i64, u8), &str)]) -> Result<(), WriteError> {
         for (k, (word, (digits, decimals), name)) in all.iter().enumerate() {
-            let sign = if *digits < 0 { "" } else { "+" };
-            self.lines.number(&format!("  {word}{sign}"), *digits, *decimals);
+            self.signed(&format!("  {word}"), *digits, *decimals);
             self.lines.word("; ");
             self.lines.glue(name);
             if k + 1 < all.len() {

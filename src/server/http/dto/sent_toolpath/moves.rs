@@ -1,4 +1,5 @@
-//! The moves of a toolpath in a request: those of answers, and canned cycles.
+//! The moves that a toolpath in a request may hold: every kind of move that answers hold, and canned cycles.
+//! Answers never hold a canned cycle, so their moves are another type.
 
 use super::cycle_move::CycleMove;
 use crate::http::decode::tagged::by_kind;

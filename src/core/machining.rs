@@ -22,12 +22,15 @@
 //! assert!((1.0..=1.0 + gap).contains(&penetration.bound_mm));
 //! ```
 
+pub mod assembly;
 pub mod cutter;
 pub mod drop_cutter;
 pub mod engagement;
 pub mod gouge;
 pub mod offset_section;
+pub mod prism;
 pub mod regularity;
+pub mod stock;
 pub mod uncut;
 pub mod upper_envelope;
 pub mod wire_model;

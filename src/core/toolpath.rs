@@ -13,7 +13,6 @@ pub mod arc_rule;
 pub mod contour;
 pub mod cutting;
 pub mod cycle;
-pub mod flatten;
 pub mod linking;
 pub mod measure;
 pub mod motion_time;

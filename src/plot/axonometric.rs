@@ -29,8 +29,8 @@ use super::pen::{CHORD_MM, Pen};
 use super::{Drawing, MAX_PATH_BYTES, RASTERS_MM, Scene, column, marks, opening, strokes};
 use depth::Depth;
 use isometric::Isometric;
+use toolpathd_core::geometry::flatten::flatten;
 use toolpathd_core::geometry::mesh::Mesh;
-use toolpathd_core::toolpath::flatten::flatten;
 
 /// Most chords of one move. A full turn as wide as the sheet takes some 400.
 const MAX_CHORDS: usize = 10_000;

@@ -6,8 +6,8 @@ use nalgebra::{Point2, Point3};
 
 use super::pen::{CHORD_MM, Pen, Turn};
 use toolpathd_core::geometry::curve::{Arc, Curve, Direction};
+use toolpathd_core::geometry::flatten::flatten;
 use toolpathd_core::geometry::plane::Plane;
-use toolpathd_core::toolpath::flatten::flatten;
 use toolpathd_core::toolpath::measure::Bounds;
 
 /// The largest sweep of a piece: a quarter turn. The excess keeps rounding from adding a piece.

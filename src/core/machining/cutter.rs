@@ -114,6 +114,14 @@ impl Cutter {
         Self { corner: self.corner + by, ..self }
     }
 
+    /// The largest cutter that lies within the cutter wherever the cutter is moved by up to `by` mm. Its tip
+    /// lies `by` mm higher. `None` where nothing does.
+    pub fn reduced(self, by: f64) -> Option<Self> {
+        let corner = (self.corner - by).max(0.0);
+        let flat = self.flat - (by - self.corner).max(0.0);
+        (flat >= 0.0 && flat + corner > 0.0).then_some(Self { flat, corner })
+    }
+
     pub fn radius(&self) -> f64 {
         self.flat + self.corner
     }

@@ -2,7 +2,7 @@
 
 use super::super::{MAX_BLOCKS, ProgramJob, WriteError};
 use toolpathd_core::geometry::curve::Curve;
-use toolpathd_core::toolpath::flatten::flatten;
+use toolpathd_core::geometry::flatten::flatten;
 use toolpathd_core::toolpath::path::{Move, Pass, Toolpath};
 use toolpathd_core::toolpath::pose::Pose;
 use toolpathd_core::toolpath::rail::Rail;

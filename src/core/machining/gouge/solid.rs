@@ -58,6 +58,11 @@ impl Solid {
         }
     }
 
+    /// As [`Solid::depth`], of the point `away` mm from the axis and `height` mm above the tip.
+    pub(in crate::machining) fn depth_at(&self, away: f64, height: f64) -> f64 {
+        self.depth(&Vector3::new(away, 0.0, height - self.corner))
+    }
+
     /// The unit vector from the core to the point at `off` from C; `None` in the core.
     pub(in crate::machining) fn away_from_core(&self, off: &Vector3<f64>) -> Option<Vector3<f64>> {
         let distance = off.xy().norm();

@@ -1,0 +1,92 @@
+//! The shapes of raw parts: prisms with a level bottom and a level top.
+
+use nalgebra::{Point2, Point3, Vector2};
+
+use super::band::{Band, NOTHING};
+use super::blocks::Blocks;
+use super::grid::Grid;
+use crate::budget::Stopped;
+use crate::geometry::region::{Containment, Region};
+
+/// How far the boundary of a region may lie from the outline that was given, mm.
+const SNAP_MM: f64 = 2e-5;
+
+/// The shape of a raw part.
+#[derive(Debug, Clone)]
+pub enum Shape {
+    /// A block between two corners.
+    Block { low: Point3<f64>, high: Point3<f64> },
+    /// A bar that stands upright.
+    Cylinder { center: Point2<f64>, radius_mm: f64, bottom_mm: f64, top_mm: f64 },
+    /// A plate with any outline.
+    Outline { region: Region, bottom_mm: f64, top_mm: f64 },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum ShapeError {
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    #[error("the stock has no volume")]
+    Empty,
+    #[error("the stock has {cells} cells; at most {limit} are allowed")]
+    TooManyCells { cells: f64, limit: usize },
+}
+
+impl Shape {
+    /// The corners of the rectangle around the shape in plan.
+    pub(super) fn rectangle(&self) -> Option<[Point2<f64>; 2]> {
+        match self {
+            Self::Block { low, high } => Some([low.xy(), high.xy()]),
+            Self::Cylinder { center, radius_mm, .. } => {
+                let out = Vector2::new(*radius_mm, *radius_mm);
+                Some([center - out, center + out])
+            }
+            Self::Outline { region, .. } => region.bounding_box(),
+        }
+    }
+
+    /// The heights of bottom and top, mm.
+    pub(super) fn heights(&self) -> (f64, f64) {
+        match self {
+            Self::Block { low, high } => (low.z, high.z),
+            Self::Cylinder { bottom_mm, top_mm, .. } | Self::Outline { bottom_mm, top_mm, .. } => {
+                (*bottom_mm, *top_mm)
+            }
+        }
+    }
+
+    /// Where a disc lies: inside, across the boundary, or outside.
+    fn place(&self, center: Point2<f64>, radius: f64) -> Containment {
+        match self {
+            Self::Block { .. } => Containment::Inside,
+            Self::Cylinder { center: middle, radius_mm, .. } => {
+                let away = (center - middle).norm();
+                if away + radius <= *radius_mm {
+                    Containment::Inside
+                } else if away - radius >= *radius_mm {
+                    Containment::Outside
+                } else {
+                    Containment::OnBoundary
+                }
+            }
+            Self::Outline { region, .. } => region.place(center, radius + SNAP_MM),
+        }
+    }
+
+    /// The rows of a height map of the shape.
+    pub(super) fn band(&self, grid: &Grid, rows: [usize; 2], (bottom, top): (f64, f64)) -> Band {
+        let cells = [grid.n[0], rows[1] - rows[0]];
+        let heights = |center: Point2<f64>, radius: f64| match self.place(center, radius) {
+            Containment::Inside => [top, top],
+            Containment::OnBoundary => [top, NOTHING],
+            Containment::Outside => [NOTHING, NOTHING],
+        };
+        let half = grid.half_diagonal();
+        let places = (rows[0]..rows[1]).flat_map(|j| (0..grid.n[0]).map(move |i| (i, j)));
+        let (outer, inner) =
+            places.map(|(i, j)| heights(grid.corner(i, j) + 0.5 * grid.cell, half).into()).unzip();
+        let corners = (rows[0]..=rows[1]).flat_map(|j| (0..=grid.n[0]).map(move |i| (i, j)));
+        let samples = corners.map(|(i, j)| heights(grid.corner(i, j), 0.0)[1]).collect();
+        Band { grid: *grid, rows, bottom, outer, inner, samples, blocks: Blocks::new(cells) }
+    }
+}

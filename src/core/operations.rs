@@ -8,3 +8,4 @@ pub mod interpolation;
 pub mod pocketing;
 pub mod surface_milling;
 pub mod surface_model;
+pub mod verification;

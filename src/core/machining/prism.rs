@@ -47,6 +47,12 @@ const CHORD: f64 = 0.25;
 /// Pieces between two checks of the budget.
 const PIECES_BETWEEN_CHECKS: usize = 256;
 
+/// How deep the deepest point below a level floor lies in a cutter with its tip at the height `z`, mm; below
+/// zero where the cutter stays above the floor.
+pub fn depth_in_floor(cutter: &Cutter, floor_mm: f64, z: f64) -> f64 {
+    Solid { flat: cutter.flat_radius(), corner: cutter.corner_radius() }.depth_at(0.0, floor_mm - z)
+}
+
 /// Which side of the outlines is material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Material {

@@ -307,7 +307,12 @@ impl Cut {
             Line { start: line.start + up, end: line.end + up }
         };
         let within = cutter.reduced(slack).map(|smaller| Sweep::new(smaller, &raised(slack)));
-        Self { within, around: Sweep::new(cutter.enlarged(slack), &raised(-slack)) }
+        // A flat end stays a flat end, whose slopes are faster to compute than those of a small corner.
+        let larger = match cutter.corner_radius() {
+            0.0 => Cutter::bull_nose(cutter.radius() + slack, 0.0),
+            _ => cutter.enlarged(slack),
+        };
+        Self { within, around: Sweep::new(larger, &raised(-slack)) }
     }
 }
 

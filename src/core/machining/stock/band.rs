@@ -90,20 +90,22 @@ impl Band {
         if first >= last {
             return;
         }
-        let mut below = vec![Passed::Unknown; self.columns() + 1];
+        let [left, right] = around.across();
+        let [start, end] = self.grid.columns([left - radius, right + radius]);
+        let mut below = vec![Passed::Unknown; end - start + 1];
         let mut above = below.clone();
         for j in first..last {
             std::mem::swap(&mut below, &mut above);
             above.fill(Passed::Unknown);
             let [from, to] = self.columns_near(around, radius, j);
-            for i in from..to {
+            for i in from.max(start)..to.min(end) {
                 let k = self.cell(i, j);
                 if self.outer[k] <= around.lowest() {
                     continue;
                 }
                 let corners = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)];
                 let passed = corners.map(|(i, jj)| {
-                    let known = if jj == j { &mut below[i] } else { &mut above[i] };
+                    let known = if jj == j { &mut below[i - start] } else { &mut above[i - start] };
                     if let Passed::Unknown = known {
                         *known = self.pass(cut, i, jj, effect);
                     }

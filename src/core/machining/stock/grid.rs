@@ -2,6 +2,8 @@
 
 use nalgebra::{Point2, Vector2};
 
+use crate::geometry::region::Containment;
+
 /// Equal rectangles that fill a rectangle of the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
@@ -34,6 +36,33 @@ impl Grid {
     /// Half of the diagonal of a cell, mm.
     pub fn half_diagonal(&self) -> f64 {
         0.5 * self.cell.norm()
+    }
+
+    /// Divides the cells of a rectangle of the grid into rectangles on one side of a boundary and single cells
+    /// across it, and tells each with its place. `place` tells where the disc of a radius about a point lies.
+    pub fn divide(
+        &self,
+        [columns, rows]: [[usize; 2]; 2],
+        place: &impl Fn(Point2<f64>, f64) -> Containment,
+        tell: &mut impl FnMut([[usize; 2]; 2], Containment),
+    ) {
+        let [width, height] = [columns, rows].map(|[from, to]| to - from);
+        if width == 0 || height == 0 {
+            return;
+        }
+        let [low, high] = [self.corner(columns[0], rows[0]), self.corner(columns[1], rows[1])];
+        let own = place(nalgebra::center(&low, &high), 0.5 * (high - low).norm());
+        if own != Containment::OnBoundary || (width == 1 && height == 1) {
+            tell([columns, rows], own);
+        } else if width >= height {
+            let middle = columns[0] + width / 2;
+            self.divide([[columns[0], middle], rows], place, tell);
+            self.divide([[middle, columns[1]], rows], place, tell);
+        } else {
+            let middle = rows[0] + height / 2;
+            self.divide([columns, [rows[0], middle]], place, tell);
+            self.divide([columns, [middle, rows[1]]], place, tell);
+        }
     }
 
     /// The columns of the cells that meet a range of x, without the last.

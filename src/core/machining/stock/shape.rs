@@ -34,7 +34,7 @@ pub enum ShapeError {
 
 impl Shape {
     /// The corners of the rectangle around the shape in plan.
-    pub(super) fn rectangle(&self) -> Option<[Point2<f64>; 2]> {
+    pub fn rectangle(&self) -> Option<[Point2<f64>; 2]> {
         match self {
             Self::Block { low, high } => Some([low.xy(), high.xy()]),
             Self::Cylinder { center, radius_mm, .. } => {
@@ -75,18 +75,28 @@ impl Shape {
 
     /// The rows of a height map of the shape.
     pub(super) fn band(&self, grid: &Grid, rows: [usize; 2], (bottom, top): (f64, f64)) -> Band {
-        let cells = [grid.n[0], rows[1] - rows[0]];
-        let heights = |center: Point2<f64>, radius: f64| match self.place(center, radius) {
-            Containment::Inside => [top, top],
-            Containment::OnBoundary => [top, NOTHING],
-            Containment::Outside => [NOTHING, NOTHING],
-        };
-        let half = grid.half_diagonal();
-        let places = (rows[0]..rows[1]).flat_map(|j| (0..grid.n[0]).map(move |i| (i, j)));
-        let (outer, inner) =
-            places.map(|(i, j)| heights(grid.corner(i, j) + 0.5 * grid.cell, half).into()).unzip();
-        let corners = (rows[0]..=rows[1]).flat_map(|j| (0..=grid.n[0]).map(move |i| (i, j)));
-        let samples = corners.map(|(i, j)| heights(grid.corner(i, j), 0.0)[1]).collect();
-        Band { grid: *grid, rows, bottom, outer, inner, samples, blocks: Blocks::new(cells) }
+        let [columns, height] = [grid.n[0], rows[1] - rows[0]];
+        let mut outer = vec![NOTHING; columns * height];
+        let mut inner = outer.clone();
+        // Corners across the boundary are looked at one by one.
+        let mut samples = vec![NOTHING; (columns + 1) * (height + 1)];
+        let place = |center, radius| self.place(center, radius);
+        grid.divide([[0, columns], rows], &place, &mut |[[from, to], [first, last]], own| {
+            if own == Containment::Outside {
+                return;
+            }
+            for j in first - rows[0]..last - rows[0] {
+                outer[j * columns..][from..to].fill(top);
+                if own == Containment::Inside {
+                    inner[j * columns..][from..to].fill(top);
+                }
+            }
+            for (i, j) in (first..=last).flat_map(|j| (from..=to).map(move |i| (i, j))) {
+                if own == Containment::Inside || self.place(grid.corner(i, j), 0.0) == Containment::Inside {
+                    samples[(j - rows[0]) * (columns + 1) + i] = top;
+                }
+            }
+        });
+        Band { grid: *grid, rows, bottom, outer, inner, samples, blocks: Blocks::new([columns, height]) }
     }
 }

@@ -15,9 +15,15 @@ use crate::geometry::curve::Line;
 use crate::geometry::segment::left;
 use crate::machining::cutter::Cutter;
 
-/// Halvings in the search for the lowest place of a bull nose on a slope. The height at the place that is
-/// found exceeds the least height by less than [`SLACK_MM`] on any cutter below a metre.
-const HALVINGS: usize = 40;
+/// Error of the slope at the lowest place of a bull nose on a slope. The height there exceeds the least height
+/// by less than this times the cutter's radius.
+const ENOUGH: f64 = 1e-10;
+
+/// The most steps of the search for that place. About eight are usual.
+const MOST_STEPS: usize = 60;
+
+/// Stands for the slope of the lower side where it is vertical.
+const STEEPEST: f64 = 1e9;
 
 /// Rounding of a swept height, mm, for coordinates up to a kilometre.
 pub(super) const SLACK_MM: f64 = 1e-8;
@@ -73,12 +79,21 @@ impl Sweep {
     pub(super) fn distance(&self, p: Point2<f64>) -> f64 {
         let from = p - self.start;
         let u = from.dot(&self.along);
-        self.along.perp(&from).hypot(u - u.clamp(0.0, self.length))
+        length(self.along.perp(&from), u - u.clamp(0.0, self.length))
+    }
+
+    /// The range of x of the line.
+    pub(super) fn across(&self) -> [f64; 2] {
+        self.extent(0)
     }
 
     /// The range of y of the line.
     pub(super) fn rows(&self) -> [f64; 2] {
-        let (from, to) = (self.start.y, self.start.y + self.along.y * self.length);
+        self.extent(1)
+    }
+
+    fn extent(&self, axis: usize) -> [f64; 2] {
+        let (from, to) = (self.start[axis], self.start[axis] + self.along[axis] * self.length);
         [from.min(to), from.max(to)]
     }
 
@@ -118,7 +133,7 @@ impl Sweep {
         let lowest = if self.slope == 0.0 { 0.0 } else { self.lowest_place(across, reach) };
         let v = lowest.clamp(least, most);
         let tip = self.height + self.slope * (u + v);
-        let distance = across.hypot(v).min(radius);
+        let distance = length(across, v).min(radius);
         let gradient = match self.cutter.slope(distance) {
             // On a slope the rim of a flat end is lowest, and the place of the rim moves with p.
             _ if self.cutter.corner_radius() == 0.0 && v.abs() == reach && self.slope != 0.0 => {
@@ -156,15 +171,48 @@ impl Sweep {
         }
         // The derivative of h along the line grows with v. Its value has to be the slope downhill.
         let wanted = self.slope.abs();
-        let [mut low, mut high] = [0.0, reach];
-        for _ in 0..HALVINGS {
-            let v = 0.5 * (low + high);
-            let distance = across.hypot(v);
-            let rise = self.cutter.slope(distance) * v / distance;
-            if rise < wanted { low = v } else { high = v }
-        }
-        -low.copysign(self.slope)
+        let excess = |v: f64| {
+            let distance = length(across, v);
+            // The lower side is vertical at the radius.
+            let slope = self.cutter.slope(distance).min(STEEPEST);
+            if distance > 0.0 { slope * v / distance - wanted } else { -wanted }
+        };
+        -first_not_below(excess, reach).copysign(self.slope)
     }
+}
+
+/// The length of a vector of the plane. Faster than `hypot`, and as good for the lengths of a workshop.
+fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// Where a function that grows from a value below zero at 0 passes zero, in [0, end]; `end` if it does not. By
+/// false position, where a bound that stays counts half (the Illinois method).
+fn first_not_below(f: impl Fn(f64) -> f64, end: f64) -> f64 {
+    let [mut low, mut high] = [0.0, end];
+    let [mut below, mut above] = [f(low), f(high)];
+    if above <= 0.0 {
+        return end;
+    }
+    let mut was_below = None;
+    for _ in 0..MOST_STEPS {
+        let v = (low * above - high * below) / (above - below);
+        let value = f(v);
+        let is_below = value < 0.0;
+        if is_below {
+            (low, below) = (v, value);
+        } else {
+            (high, above) = (v, value);
+        }
+        if was_below == Some(is_below) {
+            if is_below { above *= 0.5 } else { below *= 0.5 }
+        }
+        was_below = Some(is_below);
+        if value.abs() < ENOUGH {
+            return v;
+        }
+    }
+    low
 }
 
 #[cfg(test)]

@@ -1,0 +1,117 @@
+//! How deep the cutter enters the part on each move.
+
+use super::findings::{Certainty, Finding, Findings, Kind};
+use super::motions::Motion;
+use super::part::{Depths, PartProof};
+use super::{Error, Job, Worst};
+use crate::budget::{Budget, Stopped};
+use crate::machining::gouge::Penetration;
+
+/// By how much a bound may exceed the depth that is found, as a share of the tolerance.
+const GAP: f64 = 0.1;
+
+/// The gap is made smaller by this factor where it does not decide, down to [`LEAST_GAP_MM`].
+const FINER: f64 = 0.1;
+const LEAST_GAP_MM: f64 = 1e-6;
+
+/// Moves that one thread takes at once.
+const ROW: usize = 64;
+
+/// The deepest entry of one row of moves.
+struct Row {
+    worst: Worst,
+    findings: Vec<Finding>,
+}
+
+/// The deepest entry of all moves into the part.
+pub(super) fn deepest(
+    part: &PartProof,
+    job: &Job,
+    motions: &[Motion],
+    findings: &mut Findings,
+    budget: &Budget,
+) -> Result<Worst, Error> {
+    let proofs: Vec<Box<dyn Depths + '_>> =
+        job.tools.iter().map(|tool| part.depths(&tool.assembly.cutter, 0.0)).collect();
+    let rows: Vec<&[Motion]> = motions.chunks(ROW).collect();
+    let done = budget.in_order(rows.len(), |k| {
+        budget.progress("gouge", k, rows.len());
+        row(rows[k], &proofs, job, budget)
+    })?;
+    let mut worst = NONE;
+    for row in done {
+        worst = deeper(worst, row.worst);
+        row.findings.into_iter().for_each(|finding| findings.add(finding));
+    }
+    Ok(worst)
+}
+
+const NONE: Worst = Worst { bound_mm: 0.0, found_mm: None, at: None, place: None };
+
+/// The one with the larger bound.
+fn deeper(one: Worst, other: Worst) -> Worst {
+    if other.bound_mm > one.bound_mm { other } else { one }
+}
+
+fn row(
+    motions: &[Motion],
+    proofs: &[Box<dyn Depths + '_>],
+    job: &Job,
+    budget: &Budget,
+) -> Result<Row, Stopped> {
+    let (tolerance, slack) = (job.tolerance_mm, job.control_tolerance_mm);
+    // The deepest of the moves within the tolerance: shallower moves need no closer look.
+    let mut within = Penetration::NONE;
+    let mut worst = NONE;
+    let mut findings = Vec::new();
+    for motion in motions {
+        budget.check()?;
+        let proof = &proofs[job.tool_of_pass[motion.place.pass]];
+        let mut own = within;
+        for curve in &motion.curves {
+            own = proof.penetration(curve, slack, GAP * tolerance, own, budget)?;
+        }
+        if own.bound_mm > tolerance {
+            own = decided(motion, proof.as_ref(), job, budget)?;
+        }
+        if own.bound_mm <= tolerance {
+            within = within.or_deeper(own);
+        }
+        let told = Worst {
+            bound_mm: own.bound_mm,
+            found_mm: own.at.map(|_| own.found_mm),
+            at: own.at,
+            place: Some(motion.place),
+        };
+        worst = deeper(worst, told);
+        if own.bound_mm > tolerance {
+            let is_certain = own.found_mm - slack > tolerance;
+            findings.push(Finding {
+                kind: if motion.is_rapid { Kind::RapidThroughPart } else { Kind::Gouge },
+                certainty: if is_certain { Certainty::Certain } else { Certainty::Possible },
+                place: motion.place,
+                at: own.at,
+                found_mm: told.found_mm,
+                bound_mm: own.bound_mm,
+            });
+        }
+    }
+    Ok(Row { worst, findings })
+}
+
+/// The depth of one move, so finely bounded that it lies on one side of the tolerance where that is possible.
+fn decided(motion: &Motion, proof: &dyn Depths, job: &Job, budget: &Budget) -> Result<Penetration, Stopped> {
+    let (tolerance, slack) = (job.tolerance_mm, job.control_tolerance_mm);
+    let mut gap = GAP * tolerance;
+    loop {
+        let mut own = Penetration::NONE;
+        for curve in &motion.curves {
+            own = proof.penetration(curve, slack, gap, own, budget)?;
+        }
+        let is_decided = own.bound_mm <= tolerance || own.found_mm - slack > tolerance;
+        if is_decided || gap <= LEAST_GAP_MM {
+            return Ok(own);
+        }
+        gap = (FINER * gap).max(LEAST_GAP_MM);
+    }
+}

@@ -86,6 +86,9 @@ pub struct Control {
     pub is_strict: bool,
     /// Whether G0 is in force at the start of a program.
     pub starts_rapid: bool,
+    /// Whether a rapid along several axes is a straight line whatever the settings of the control. Else each
+    /// axis may run at its own speed until it has arrived.
+    pub runs_straight: bool,
 }
 
 /// Mismatch that LinuxCNC accepts: 0.0011 inch, or 0.1 % of the radius up to a hundred times as much.
@@ -114,6 +117,8 @@ const FANUC: Control = Control {
     needs_end: false,
     is_strict: false,
     starts_rapid: false,
+    // Parameter 1401.
+    runs_straight: false,
 };
 
 const LINUXCNC: Control = Control {
@@ -129,6 +134,7 @@ const LINUXCNC: Control = Control {
     peck_clearance_mm: 0.254,
     needs_end: true,
     is_strict: true,
+    runs_straight: true,
     ..FANUC
 };
 

@@ -99,10 +99,12 @@ fn trace(
 ) -> Option<Paths> {
     let mut pens = Class::ALL.map(|_| Pen::new(raster_mm));
     let is_within = |pens: &[Pen]| pens.iter().map(Pen::bytes).sum::<usize>() <= max_bytes;
-    let Drawing { relief, surface, curve, uncut, band, joints, poses, tool_axes } = scene.drawing;
+    let Drawing { relief, surface, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
+        scene.drawing;
     let sides = relief.as_ref().map(sides).unwrap_or_default();
     let polylines = [
         (Class::Band, band),
+        (Class::Solid, solids),
         (Class::Wire, &sides),
         (Class::Wire, surface),
         (Class::ToolAxis, tool_axes),
@@ -126,7 +128,7 @@ fn trace(
             return None;
         }
     }
-    for (class, dots) in [(Class::Joint, joints), (Class::Pose, poses)] {
+    for (class, dots) in [(Class::Joint, joints), (Class::Pose, poses), (Class::Finding, findings)] {
         for dot in dots {
             polyline(&[*dot, *dot], isometric, depth, &mut pens[class as usize]);
         }

@@ -8,6 +8,7 @@ use toolpathd_core::toolpath::Role;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
     Band,
+    Solid,
     Wire,
     ToolAxis,
     Curve,
@@ -20,11 +21,13 @@ pub enum Class {
     CutParabola,
     Entry,
     Joint,
+    Finding,
 }
 
 impl Class {
-    pub const ALL: [Class; 13] = [
+    pub const ALL: [Class; 15] = [
         Class::Band,
+        Class::Solid,
         Class::Wire,
         Class::ToolAxis,
         Class::Curve,
@@ -37,12 +40,14 @@ impl Class {
         Class::CutParabola,
         Class::Entry,
         Class::Joint,
+        Class::Finding,
     ];
 
     /// The name of the class in the style sheet.
     pub fn name(self) -> &'static str {
         match self {
             Class::Band => "band",
+            Class::Solid => "body-edge",
             Class::Wire => "wire",
             Class::ToolAxis => "tool-axis",
             Class::Curve => "curve",
@@ -55,6 +60,7 @@ impl Class {
             Class::CutParabola => "cut-parabola",
             Class::Entry => "entry",
             Class::Joint => "joint",
+            Class::Finding => "finding",
         }
     }
 
@@ -62,6 +68,7 @@ impl Class {
     pub fn label(self) -> &'static str {
         match self {
             Class::Band => "band",
+            Class::Solid => "stock, walls, fixtures",
             Class::Wire => "surface",
             Class::ToolAxis => "tool axis, at even times",
             Class::Curve => "curve",
@@ -74,6 +81,7 @@ impl Class {
             Class::CutParabola => "cut, parabola",
             Class::Entry => "plunge, ramp, lead",
             Class::Joint => "joint",
+            Class::Finding => "finding",
         }
     }
 
@@ -82,6 +90,7 @@ impl Class {
     fn style(self) -> &'static str {
         match self {
             Class::Band => "stroke:#8a8a8a;stroke-width:.13;stroke-dasharray:1 .6;stroke-linecap:butt",
+            Class::Solid => "stroke:#6a4a2a;stroke-width:.25;stroke-dasharray:3 .8 .4 .8;stroke-linecap:butt",
             Class::Wire => "stroke:#8a8a8a;stroke-width:.13",
             Class::ToolAxis => "stroke:#c7895b;stroke-width:.18",
             Class::Curve => "stroke:#000;stroke-width:.13",
@@ -94,6 +103,7 @@ impl Class {
             Class::CutParabola => "stroke:#56b4e9;stroke-width:.5",
             Class::Entry => "stroke:#e69f00;stroke-width:.6;stroke-dasharray:.01 1",
             Class::Joint => "stroke:#000;stroke-width:.8",
+            Class::Finding => "stroke:#c00000;stroke-width:1.6",
         }
     }
 }

@@ -85,6 +85,10 @@ pub struct Drawing {
     pub poses: Vec<Point3<f64>>,
     /// Lines along the tool axis, from the tip.
     pub tool_axes: Vec<Vec<Point3<f64>>>,
+    /// Outlines of the stock, of walls and of fixtures.
+    pub solids: Vec<Vec<Point3<f64>>>,
+    /// Places where something is wrong. They are drawn over everything else.
+    pub findings: Vec<Point3<f64>>,
 }
 
 impl Drawing {
@@ -100,8 +104,8 @@ impl Drawing {
     fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
         let shaded = self.relief.iter().flat_map(Mesh::points);
         let lines = self.surface.iter().chain(&self.curve).chain(&self.uncut).chain(&self.band);
-        let all = lines.chain(&self.tool_axes).flatten();
-        all.chain(&self.joints).chain(&self.poses).chain(shaded)
+        let all = lines.chain(&self.tool_axes).chain(&self.solids).flatten();
+        all.chain(&self.joints).chain(&self.poses).chain(&self.findings).chain(shaded)
     }
 }
 
@@ -178,9 +182,11 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
     let is_within = |pens: &[[Pen; Class::ALL.len()]; 3]| {
         pens.iter().flatten().map(Pen::bytes).sum::<usize>() <= max_bytes
     };
-    let Drawing { relief: _, surface, curve, uncut, band, joints, poses, tool_axes } = scene.drawing;
+    let Drawing { relief: _, surface, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
+        scene.drawing;
     let polylines = [
         (Class::Band, band),
+        (Class::Solid, solids),
         (Class::Wire, surface),
         (Class::ToolAxis, tool_axes),
         (Class::Curve, curve),
@@ -205,7 +211,7 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
             return None;
         }
     }
-    for (class, dots) in [(Class::Joint, joints), (Class::Pose, poses)] {
+    for (class, dots) in [(Class::Joint, joints), (Class::Pose, poses), (Class::Finding, findings)] {
         for dot in dots {
             for (view, pens) in layout.views.iter().zip(&mut pens) {
                 trace_wire(view, std::slice::from_ref(dot), &mut pens[class as usize]);

@@ -25,3 +25,4 @@ mod shutdown;
 mod smoothing;
 pub mod support;
 mod sweeps;
+mod verifying;

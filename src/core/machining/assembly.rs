@@ -11,7 +11,7 @@ use super::cutter::Cutter;
 /// A section of the shank or of the holder: a frustum of a cone about the axis. Heights are those over the
 /// tip.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Section {
+pub struct Frustum {
     pub bottom_mm: f64,
     pub top_mm: f64,
     pub bottom_radius_mm: f64,
@@ -22,7 +22,7 @@ pub struct Section {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembly {
     pub cutter: Cutter,
-    pub sections: Vec<Section>,
+    pub sections: Vec<Frustum>,
 }
 
 impl Assembly {
@@ -49,7 +49,7 @@ impl Assembly {
     }
 }
 
-impl Section {
+impl Frustum {
     /// The radius at a height over the tip between bottom and top, mm.
     fn radius_at(&self, height: f64) -> f64 {
         let span = self.top_mm - self.bottom_mm;
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     /// The least distance of many places of the section from many places of the quadrant.
-    fn sampled(section: &Section, away: f64, top: f64) -> f64 {
+    fn sampled(section: &Frustum, away: f64, top: f64) -> f64 {
         let shares = (0..=60).map(|k| f64::from(k) / 60.0);
         let mut least = f64::INFINITY;
         for (s, t) in shares.clone().flat_map(|s| shares.clone().map(move |t| (s, t))) {
@@ -108,7 +108,7 @@ mod tests {
             bottom in 0.0f64..30.0, height in 0.0f64..20.0, radii in prop::array::uniform2(0.5f64..20.0),
             away in 0.0f64..30.0, top in -10.0f64..60.0,
         ) {
-            let section = Section {
+            let section = Frustum {
                 bottom_mm: bottom,
                 top_mm: bottom + height,
                 bottom_radius_mm: radii[0],
@@ -123,7 +123,7 @@ mod tests {
             height in 0.0f64..20.0, radii in prop::array::uniform2(0.5f64..20.0),
             away in 0.0f64..30.0, top in -10.0f64..60.0, by in prop::array::uniform2(0.0f64..5.0),
         ) {
-            let section = Section {
+            let section = Frustum {
                 bottom_mm: 10.0,
                 top_mm: 10.0 + height,
                 bottom_radius_mm: radii[0],

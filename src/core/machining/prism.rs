@@ -92,7 +92,7 @@ pub struct Asked {
 
 /// A part of the path: a line or an arc in plan, along which the height of the tip changes evenly.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
+struct PlanPiece {
     plan: Segment,
     heights: [f64; 2],
 }
@@ -135,6 +135,20 @@ impl Prism {
         self.largest(tip, asked, near, budget)
     }
 
+    /// As [`Prism::nearness`], of shank and holder alone.
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn nearness_of_sections(
+        &self,
+        assembly: &Assembly,
+        tip: &Curve,
+        asked: Asked,
+        budget: &Budget,
+    ) -> Result<Largest, Stopped> {
+        self.largest(tip, asked, |away, z| -assembly.clearance(away, self.top_mm - z), budget)
+    }
+
     /// The largest value of a function of the distance in plan and of the height of the tip, which grows
     /// with neither.
     fn largest(
@@ -149,7 +163,7 @@ impl Prism {
         let off = slack_mm + chord_mm + SNAP_MM;
         let mut largest = Largest { bound: f64::NEG_INFINITY, found: f64::NEG_INFINITY, at: None };
         let mut open = BestFirst::default();
-        let add = |piece: Piece, largest: &mut Largest, open: &mut BestFirst<Piece>| {
+        let add = |piece: PlanPiece, largest: &mut Largest, open: &mut BestFirst<PlanPiece>| {
             for t in [0.0, 0.5, 1.0] {
                 let (p, z) = (piece.plan.at(t), piece.height(t));
                 let found = value(self.away(p), z);
@@ -210,7 +224,7 @@ impl Prism {
     }
 }
 
-impl Piece {
+impl PlanPiece {
     fn height(&self, t: f64) -> f64 {
         self.heights[0] + (self.heights[1] - self.heights[0]) * t
     }
@@ -230,12 +244,15 @@ impl Piece {
 }
 
 /// The pieces of a curve, and how far they may lie from it, mm.
-fn pieces(tip: &Curve, mut chord_mm: f64) -> (Vec<Piece>, f64) {
+fn pieces(tip: &Curve, mut chord_mm: f64) -> (Vec<PlanPiece>, f64) {
     let (start, end) = (tip.start(), tip.end());
     let heights = [start.z, end.z];
     match tip {
         Curve::Line(_) => {
-            return (vec![Piece { plan: Segment::Line { start: start.xy(), end: end.xy() }, heights }], 0.0);
+            return (
+                vec![PlanPiece { plan: Segment::Line { start: start.xy(), end: end.xy() }, heights }],
+                0.0,
+            );
         }
         Curve::Arc(arc) if arc.plane() == Plane::Xy => {
             let turn = match arc.direction() {
@@ -243,13 +260,13 @@ fn pieces(tip: &Curve, mut chord_mm: f64) -> (Vec<Piece>, f64) {
                 Direction::Cw => -arc.sweep(),
             };
             let plan = Segment::about(arc.center().xy(), arc.radius(), [start.xy(), end.xy()], turn);
-            return (vec![Piece { plan, heights }], 0.0);
+            return (vec![PlanPiece { plan, heights }], 0.0);
         }
         Curve::Arc(_) | Curve::Parabola(_) => {}
     }
     loop {
         if let Ok(points) = flatten(tip, chord_mm, MOST_CHORDS) {
-            let chord = |ends: &[Point3<f64>]| Piece {
+            let chord = |ends: &[Point3<f64>]| PlanPiece {
                 plan: Segment::Line { start: ends[0].xy(), end: ends[1].xy() },
                 heights: [ends[0].z, ends[1].z],
             };
@@ -266,7 +283,7 @@ mod tests {
     use super::*;
     use crate::geometry::curve::{Arc, Line};
     use crate::geometry::region::Outline;
-    use crate::machining::assembly::Section;
+    use crate::machining::assembly::Frustum;
 
     const ASKED: Asked = Asked { slack_mm: 0.0, gap_mm: 1e-3, enough_mm: f64::NEG_INFINITY };
 
@@ -311,7 +328,7 @@ mod tests {
     #[test]
     fn a_holder_is_as_near_as_its_corner() {
         let clamp = Prism { region: square(20.0), material: Material::Inside, top_mm: 30.0 };
-        let holder = Section { bottom_mm: 40.0, top_mm: 80.0, bottom_radius_mm: 25.0, top_radius_mm: 25.0 };
+        let holder = Frustum { bottom_mm: 40.0, top_mm: 80.0, bottom_radius_mm: 25.0, top_radius_mm: 25.0 };
         let tool = Assembly { cutter: Cutter::bull_nose(5.0, 0.0), sections: vec![holder] };
         // Beside the clamp and over it: 3 mm over its top, and 3 mm or -2 mm from its side.
         for (x, distance) in [(48.0, 18.0f64.sqrt()), (43.0, 3.0)] {

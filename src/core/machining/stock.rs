@@ -42,9 +42,9 @@ use super::cutter::Cutter;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::{Curve, Line};
 use crate::geometry::flatten::flatten;
-use band::{Band, Cut};
+use band::{Cut, Rows};
 pub use grid::Grid;
-use probe::Way;
+use probe::{Way, parts};
 pub use shape::{Shape, ShapeError};
 use sweep::Sweep;
 
@@ -68,7 +68,7 @@ pub const FAR_MM: f64 = 50.0;
 pub struct Stock {
     grid: Grid,
     bottom_mm: f64,
-    bands: Vec<Band>,
+    bands: Vec<Rows>,
 }
 
 /// One move of a tool.
@@ -79,6 +79,8 @@ pub struct Step<'a> {
     pub slack_mm: f64,
     pub tool: &'a Assembly,
     pub is_rapid: bool,
+    /// Whether the control runs this curve and no other one instead.
+    pub is_sure: bool,
 }
 
 /// What a step does to the material.
@@ -89,8 +91,11 @@ pub struct Effect {
     /// For a rapid, how deep the deepest point of certain material lies in the cutter, mm, and that point.
     pub found_mm: f64,
     pub found_at: Option<Point3<f64>>,
-    /// For a rapid, a bound of how deep any point of the material lies in the cutter, mm, and its place.
+    /// For a rapid, a bound of how deep any point of a cell of known height lies in the cutter, mm.
     pub depth_bound_mm: f64,
+    /// The same for a cell of which a part is cut. Such a cell counts as full up to its highest place.
+    pub beside_bound_mm: f64,
+    /// The place of the larger bound.
     pub bound_at: Option<Point2<f64>>,
     /// The nearest approach of shank or holder below [`FAR_MM`].
     pub approach: Option<Approach>,
@@ -107,11 +112,12 @@ pub struct Approach {
 }
 
 impl Effect {
-    const NONE: Self = Self {
+    pub const NONE: Self = Self {
         removed: None,
         found_mm: 0.0,
         found_at: None,
         depth_bound_mm: 0.0,
+        beside_bound_mm: 0.0,
         bound_at: None,
         approach: None,
     };
@@ -120,6 +126,27 @@ impl Effect {
         if self.removed.is_none_or(|(before, _)| depth > before) {
             self.removed = Some((depth, at));
         }
+    }
+
+    /// A bound of how deep any point of the material lies in the cutter, mm.
+    pub fn depth_bound(&self) -> f64 {
+        self.depth_bound_mm.max(self.beside_bound_mm).max(self.found_mm)
+    }
+
+    /// A cell of known height lies in the cutter, `depth` mm at most.
+    fn enter(&mut self, depth: f64, at: Point2<f64>) {
+        if depth > self.depth_bound() {
+            self.bound_at = Some(at);
+        }
+        self.depth_bound_mm = self.depth_bound_mm.max(depth);
+    }
+
+    /// A cell of which a part is cut may lie in the cutter, `depth` mm at most.
+    fn touch(&mut self, depth: f64, at: Point2<f64>) {
+        if depth > self.depth_bound() {
+            self.bound_at = Some(at);
+        }
+        self.beside_bound_mm = self.beside_bound_mm.max(depth);
     }
 
     fn approach(&mut self, other: Approach) {
@@ -131,16 +158,34 @@ impl Effect {
         self.approach = Some(Approach { is_met, ..nearest });
     }
 
-    fn and(mut self, other: Self) -> Self {
+    /// What happens if one of two ways is run, it is not known which: the bounds of both, and what is found
+    /// on each of them.
+    pub fn or(self, other: Self) -> Self {
+        let less = if other.found_mm < self.found_mm { other } else { self };
+        let removed = self.removed.and(other.removed);
+        let is_met = |effect: &Self| effect.approach.is_some_and(|approach| approach.is_met);
+        let is_met = is_met(&self) && is_met(&other);
+        let mut both = self.and(other);
+        (both.found_mm, both.found_at, both.removed) = (less.found_mm, less.found_at, removed);
+        both.approach = both.approach.map(|approach| Approach { is_met, ..approach });
+        // What is found on one way only bounds what may happen.
+        both.depth_bound_mm = both.depth_bound_mm.max(self.found_mm).max(other.found_mm);
+        both
+    }
+
+    /// The effect of two curves that are run one after the other.
+    pub fn and(mut self, other: Self) -> Self {
         if let Some((depth, at)) = other.removed {
             self.remove(depth, at);
         }
         if other.found_mm > self.found_mm {
             (self.found_mm, self.found_at) = (other.found_mm, other.found_at);
         }
-        if other.depth_bound_mm > self.depth_bound_mm {
-            (self.depth_bound_mm, self.bound_at) = (other.depth_bound_mm, other.bound_at);
+        if other.depth_bound() > self.depth_bound() {
+            self.bound_at = other.bound_at;
         }
+        self.depth_bound_mm = self.depth_bound_mm.max(other.depth_bound_mm);
+        self.beside_bound_mm = self.beside_bound_mm.max(other.beside_bound_mm);
         if let Some(approach) = other.approach {
             self.approach(approach);
         }
@@ -153,15 +198,6 @@ impl Effect {
 pub struct Volume {
     pub least_mm3: f64,
     pub most_mm3: f64,
-}
-
-/// A step as chords.
-struct Chords<'a> {
-    lines: Vec<Line>,
-    /// mm.
-    slack: f64,
-    tool: &'a Assembly,
-    is_rapid: bool,
 }
 
 impl Stock {
@@ -205,7 +241,7 @@ impl Stock {
 
     /// The volume of the material.
     pub fn volume(&self) -> Volume {
-        let sum = |heights: &dyn Fn(&Band) -> f64| self.bands.iter().map(heights).sum();
+        let sum = |heights: &dyn Fn(&Rows) -> f64| self.bands.iter().map(heights).sum();
         Volume {
             least_mm3: sum(&|band| band.volume(&band.inner)),
             most_mm3: sum(&|band| band.volume(&band.outer)),
@@ -223,12 +259,10 @@ impl Stock {
         clearance_mm: f64,
         budget: &Budget,
     ) -> Result<(Self, Vec<Effect>), Stopped> {
-        let chord_height = CHORD * 2.0 * self.grid.half_diagonal();
-        let chords: Vec<Chords<'_>> = steps.iter().map(|step| Chords::new(step, chord_height)).collect();
         let n = self.bands.len();
         let run = budget.in_order(n, |k| {
             budget.progress("stock", k, n);
-            run(self.bands[k].clone(), &chords, clearance_mm, budget)
+            run(self.bands[k].clone(), steps, clearance_mm, budget)
         })?;
         let mut effects = vec![Effect::NONE; steps.len()];
         let mut bands = Vec::with_capacity(n);
@@ -242,19 +276,11 @@ impl Stock {
     }
 }
 
-impl<'a> Chords<'a> {
-    fn new(step: &Step<'a>, chord_height: f64) -> Self {
-        let Step { tip, slack_mm, tool, is_rapid } = *step;
-        let (lines, height) = match tip {
-            Curve::Line(line) => (vec![line], 0.0),
-            Curve::Arc(_) | Curve::Parabola(_) => chords(&tip, chord_height),
-        };
-        Self { lines, slack: slack_mm + height, tool, is_rapid }
-    }
-}
-
 /// Chords of a curve, and their distance from it, mm.
 fn chords(tip: &Curve, mut height: f64) -> (Vec<Line>, f64) {
+    if let Curve::Line(line) = tip {
+        return (vec![*line], 0.0);
+    }
     loop {
         if let Ok(points) = flatten(tip, height, MOST_CHORDS) {
             let lines = points.windows(2).map(|ends| Line { start: ends[0], end: ends[1] });
@@ -266,27 +292,45 @@ fn chords(tip: &Curve, mut height: f64) -> (Vec<Line>, f64) {
 
 /// Runs all steps in one band.
 fn run(
-    mut band: Band,
-    steps: &[Chords<'_>],
+    mut band: Rows,
+    steps: &[Step<'_>],
     clearance_mm: f64,
     budget: &Budget,
-) -> Result<(Band, Vec<(usize, Effect)>), Stopped> {
+) -> Result<(Rows, Vec<(usize, Effect)>), Stopped> {
     let mut effects = Vec::new();
     let mut limit = FAR_MM;
+    let diagonal = 2.0 * band.grid.half_diagonal();
     for (k, step) in steps.iter().enumerate() {
-        if k % STEPS_BETWEEN_CHECKS == 0 {
-            budget.check()?;
+        let widest = step.tool.cutter.radius().max(step.tool.widest_section() + limit);
+        if !band.is_near(&step.tip, widest + step.slack_mm + diagonal) {
+            if k % STEPS_BETWEEN_CHECKS == 0 {
+                budget.check()?;
+            }
+            continue;
         }
         let mut effect = Effect::NONE;
-        for line in &step.lines {
-            let way = Way { line, slack: step.slack };
-            if step.is_rapid {
-                band.enter(&step.tool.cutter, way, &mut effect);
+        let (lines, height) = chords(&step.tip, CHORD * diagonal);
+        let slack = step.slack_mm + height;
+        // A tool that rises straight from where it has just cut stays within the material that it has left.
+        let is_shadow = slack == 0.0 && step.rises() && k > 0 && steps[k - 1].leads_to(step);
+        for line in &lines {
+            budget.check()?;
+            let way = Way { line, slack };
+            if step.is_rapid && !is_shadow {
+                band.enter(&step.tool.cutter, way, &mut effect, budget)?;
             }
-            if !step.tool.sections.is_empty() {
+            if step.tool.sections.is_empty() {
+                band.cut(&Cut::new(step, way), &mut effect);
+                continue;
+            }
+            // The holder follows the cutter down: what the cutter has removed is gone before the holder
+            // comes.
+            for part in parts(line, diagonal) {
+                budget.check()?;
+                let way = Way { line: &part, slack };
                 band.approach(step.tool, way, (&mut limit, clearance_mm), &mut effect);
+                band.cut(&Cut::new(step, way), &mut effect);
             }
-            band.cut(&Cut::new(&step.tool.cutter, way), &mut effect);
         }
         if effect != Effect::NONE {
             effects.push((k, effect));
@@ -295,18 +339,33 @@ fn run(
     Ok((band, effects))
 }
 
+impl Step<'_> {
+    /// Whether the tip goes straight up.
+    fn rises(&self) -> bool {
+        let (start, end) = (self.tip.start(), self.tip.end());
+        matches!(self.tip, Curve::Line(_)) && start.xy() == end.xy() && start.z <= end.z
+    }
+
+    /// Whether `next` goes on where this step ends, with the same tool.
+    fn leads_to(&self, next: &Step<'_>) -> bool {
+        self.is_sure && self.tip.end() == next.tip.start() && std::ptr::eq(self.tool, next.tool)
+    }
+}
+
 impl Cut {
     /// The line of a cutter with slack.
-    fn new(cutter: &Cutter, Way { line, slack }: Way<'_>) -> Self {
+    fn new(step: &Step<'_>, Way { line, slack }: Way<'_>) -> Self {
+        let cutter = &step.tool.cutter;
         if slack == 0.0 {
             let sweep = Sweep::new(*cutter, line);
-            return Self { within: Some(sweep), around: sweep };
+            return Self { within: step.is_sure.then_some(sweep), around: sweep };
         }
         let raised = |by: f64| {
             let up = nalgebra::Vector3::z() * by;
             Line { start: line.start + up, end: line.end + up }
         };
-        let within = cutter.reduced(slack).map(|smaller| Sweep::new(smaller, &raised(slack)));
+        let within =
+            cutter.reduced(slack).filter(|_| step.is_sure).map(|smaller| Sweep::new(smaller, &raised(slack)));
         // A flat end stays a flat end, whose slopes are faster to compute than those of a small corner.
         let larger = match cutter.corner_radius() {
             0.0 => Cutter::bull_nose(cutter.radius() + slack, 0.0),

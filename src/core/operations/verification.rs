@@ -33,17 +33,20 @@ mod material;
 mod motions;
 mod part;
 
-use nalgebra::Point3;
+use std::f64::consts::PI;
+
+use nalgebra::{Point2, Point3};
 
 use super::pocketing::Outlines;
 use crate::budget::{Budget, Stopped};
 use crate::geometry::region::{Outline, OutlineError, Region, RegionError};
+use crate::geometry::segment::Segment;
 use crate::geometry::surface::source::{Source, SourceError};
 use crate::machining::assembly::Assembly;
 use crate::machining::prism::{Material, Prism};
 use crate::machining::stock::{Shape, ShapeError, Stock, Volume};
 use crate::toolpath::Toolpath;
-pub use findings::{Certainty, Finding, Findings, Kind, MOST_LISTED, Place, Verdict};
+pub use findings::{Certainty, Finding, Findings, Kind, MOST_LISTED, MoveNumber, Verdict};
 use motions::{Motion, motions};
 use part::PartProof;
 
@@ -92,7 +95,7 @@ pub enum Part {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Raw {
     Block { low: Point3<f64>, high: Point3<f64> },
-    Cylinder { center: nalgebra::Point2<f64>, radius_mm: f64, bottom_mm: f64, top_mm: f64 },
+    Cylinder { center: Point2<f64>, radius_mm: f64, bottom_mm: f64, top_mm: f64 },
     Outline { outlines: Outlines, bottom_mm: f64, top_mm: f64 },
 }
 
@@ -100,6 +103,8 @@ pub enum Raw {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fixture {
     pub outlines: Outlines,
+    /// Where it ends below, for pictures, mm. Nothing passes below it.
+    pub bottom_mm: f64,
     pub top_mm: f64,
 }
 
@@ -128,7 +133,7 @@ pub struct Worst {
     pub found_mm: Option<f64>,
     pub at: Option<Point3<f64>>,
     /// The move of the bound.
-    pub place: Option<Place>,
+    pub place: Option<MoveNumber>,
 }
 
 /// What is proved of a toolpath.
@@ -139,7 +144,8 @@ pub struct Report {
     pub gouge: Option<Worst>,
     /// What stands above the part at the end. `None` where it has no bound.
     pub excess: Option<Worst>,
-    /// Area of the floor of a pocket that is not cut down to the floor, mm². Cells across walls do not count.
+    /// Area of the floor of a pocket that is not cut down to the floor, mm². Places nearer to a wall than a
+    /// diagonal of a cell count neither here nor in the excess.
     pub uncut_area_mm2: Option<f64>,
     /// The least distance of shank and holder from stock and part. `None` without shank and holder.
     pub holder_clearance: Option<Worst>,
@@ -211,8 +217,8 @@ pub enum Error {
 /// use toolpathd_core::toolpath::{Role, Toolpath};
 ///
 /// let corner = [[0.0, 0.0], [50.0, 0.0], [50.0, 30.0], [0.0, 30.0]].map(Point2::from);
-/// let boundary = [0, 1, 2, 3].map(|k| Segment::Line { start: corner[k], end: corner[(k + 1) % 4] }).to_vec();
-/// let outlines = Outlines { boundary, islands: Vec::new() };
+/// let sides = [0, 1, 2, 3].map(|k| Segment::Line { start: corner[k], end: corner[(k + 1) % 4] });
+/// let outlines = Outlines { boundary: sides.to_vec(), islands: Vec::new() };
 ///
 /// let mut builder = Toolpath::builder(Point3::new(10.0, 15.0, 5.0));
 /// let feed = FeedRate::from_mm_per_min(500.0).unwrap();
@@ -299,6 +305,26 @@ impl Job {
 
 /// The most cells of a job whose caller sets no limit.
 pub const DEFAULT_MOST_CELLS: usize = 4_000_000;
+
+impl Raw {
+    /// The outlines of the raw part with the heights of its bottom and its top, mm.
+    pub fn outlines(&self) -> (Outlines, f64, f64) {
+        let of = |boundary: Vec<Segment>| Outlines { boundary, islands: Vec::new() };
+        match self {
+            Self::Block { low, high } => {
+                let corners = [low.xy(), Point2::new(high.x, low.y), high.xy(), Point2::new(low.x, high.y)];
+                let side = |k: usize| Segment::Line { start: corners[k], end: corners[(k + 1) % 4] };
+                (of([0, 1, 2, 3].map(side).to_vec()), low.z, high.z)
+            }
+            Self::Cylinder { center, radius_mm, bottom_mm, top_mm } => {
+                let [right, left] = [*radius_mm, -radius_mm].map(|x| Point2::new(center.x + x, center.y));
+                let half = |ends| Segment::about(*center, *radius_mm, ends, PI);
+                (of(vec![half([right, left]), half([left, right])]), *bottom_mm, *top_mm)
+            }
+            Self::Outline { outlines, bottom_mm, top_mm } => (outlines.clone(), *bottom_mm, *top_mm),
+        }
+    }
+}
 
 impl Worst {
     fn or_nearer(self, other: Self) -> Self {

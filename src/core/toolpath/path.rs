@@ -73,6 +73,11 @@ impl Toolpath {
         }
     }
 
+    /// The toolpath without any move, at the origin.
+    pub fn empty() -> Toolpath {
+        Toolpath { start: Point3::origin(), passes: Vec::new() }
+    }
+
     pub fn start(&self) -> Point3<f64> {
         self.start
     }
@@ -194,6 +199,11 @@ impl Builder {
     /// Begins a pass at `start`, which the tool reaches on a way that is not known.
     pub fn begin_pass_apart(&mut self, start: Point3<f64>) {
         self.begin_pass(None);
+        self.begin_apart(start);
+    }
+
+    /// The pass that has begun starts at `start`, which the tool reaches on a way that is not known.
+    pub fn begin_apart(&mut self, start: Point3<f64>) {
         self.at = start;
         if let Some(pass) = self.passes.last_mut() {
             pass.start = Some(start);

@@ -34,5 +34,6 @@ pub mod strategy;
 pub mod surface;
 pub mod tool;
 pub mod toolpath;
+pub mod verification;
 
 pub use super::decode::check;

@@ -12,6 +12,7 @@ mod pocketing;
 mod points;
 mod reading;
 mod surfaces;
+mod verification;
 mod warning;
 mod writing;
 
@@ -23,6 +24,7 @@ pub use computing::too_slow;
 pub use five_axis::{path_text, positions_of_control, words_left_alone, words_left_alone_in};
 pub use points::point_fault;
 pub use reading::not_read;
+pub use verification::tool_not_told;
 pub use warning::{Warning, WarningCode};
 pub use writing::{missing, refused, smoothed_twice};
 

@@ -58,6 +58,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(v1::surfaces_model::model_surface))
         .routes(routes!(v1::pockets_plan::plan_pocket))
         .routes(routes!(v1::programs_read::read_program))
+        .routes(routes!(v1::programs_verify::verify_program))
         .routes(routes!(v1::programs_write::write_program))
         .routes(routes!(v1::dnc::list_controls))
         .routes(routes!(v1::dnc::send_program))

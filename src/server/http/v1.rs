@@ -9,6 +9,7 @@ pub mod limits;
 pub mod machines;
 pub mod pockets_plan;
 pub mod programs_read;
+pub mod programs_verify;
 pub mod programs_write;
 pub mod surfaces_drop;
 pub mod surfaces_mill;

@@ -251,9 +251,9 @@ async fn an_answer_holds_its_toolpath_unless_the_query_says_toolpath_false() {
     }
 }
 
-/// Whether an endpoint answers with a program. A program that is read is not written again.
+/// Whether an endpoint answers with a program. A program that is read or verified is not written again.
 fn has_program(path: &str) -> bool {
-    is_path(path) && path != "/v1/programs/read"
+    is_path(path) && !["/v1/programs/read", "/v1/programs/verify"].contains(&path)
 }
 
 #[tokio::test]

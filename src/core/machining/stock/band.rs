@@ -1,18 +1,19 @@
 //! Some rows of a height map, and the cuts in them.
 
-use nalgebra::{Point2, Point3};
+use nalgebra::{Point2, Point3, Vector3};
 
 use super::Effect;
 use super::blocks::Blocks;
 use super::grid::Grid;
 use super::sweep::{SLACK_MM, Sweep, Swept};
+use crate::geometry::curve::Curve;
 
 /// No material.
 pub(super) const NOTHING: f64 = f64::NEG_INFINITY;
 
 /// Rows of cells with the heights of the material in them.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Band {
+pub(super) struct Rows {
     pub(super) grid: Grid,
     /// The first row, and the one behind the last.
     pub(super) rows: [usize; 2],
@@ -42,7 +43,7 @@ pub(super) struct Cut {
     pub(super) around: Sweep,
 }
 
-impl Band {
+impl Rows {
     fn columns(&self) -> usize {
         self.grid.n[0]
     }
@@ -62,6 +63,21 @@ impl Band {
 
     pub(super) fn outer_at(&self, i: usize, j: usize) -> f64 {
         self.outer[self.cell(i, j)]
+    }
+
+    /// The outer and the inner height of a cell, mm.
+    pub(super) fn heights(&self, i: usize, j: usize) -> [f64; 2] {
+        let k = self.cell(i, j);
+        [self.outer[k], self.inner[k]]
+    }
+
+    /// Whether the box of a curve, grown by `reach` mm on all sides, meets the band.
+    pub(super) fn is_near(&self, tip: &Curve, reach: f64) -> bool {
+        let [from, to] = [self.grid.corner(0, self.rows[0]), self.grid.corner(self.columns(), self.rows[1])];
+        (0..2).all(|axis| {
+            let (most, least) = (Vector3::ith(axis, 1.0), Vector3::ith(axis, -1.0));
+            tip.support(&most) + reach >= from[axis] && -tip.support(&least) - reach <= to[axis]
+        })
     }
 
     /// The middle of a cell.

@@ -38,8 +38,9 @@ impl Grid {
         0.5 * self.cell.norm()
     }
 
-    /// Divides the cells of a rectangle of the grid into rectangles on one side of a boundary and single cells
-    /// across it, and tells each with its place. `place` tells where the disc of a radius about a point lies.
+    /// Divides the cells of a rectangle of the grid into rectangles on one side of a boundary and single
+    /// cells across it, and tells each with its place. `place` tells where the disc of a radius about a point
+    /// lies.
     pub fn divide(
         &self,
         [columns, rows]: [[usize; 2]; 2],

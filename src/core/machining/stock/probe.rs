@@ -1,11 +1,12 @@
 //! How deep a cutter enters the material on its way, and how near its shank and holder come to it.
 
-use nalgebra::Point3;
+use nalgebra::{Point2, Point3};
 
-use super::band::{Band, NOTHING};
+use super::band::{NOTHING, Rows};
 use super::blocks::SIDE;
 use super::sweep::Sweep;
 use super::{Approach, Effect};
+use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::Line;
 use crate::machining::assembly::Assembly;
 use crate::machining::cutter::Cutter;
@@ -13,6 +14,9 @@ use crate::machining::gouge::solid::Solid;
 
 /// A slope is divided into steps that fall by this share of a cell's diagonal.
 const FALL: f64 = 0.5;
+
+/// A cell whose heights are this near to each other has a known height, mm.
+const KNOWN_MM: f64 = 1e-6;
 
 /// The most steps of one slope. Steps of a longer one fall farther, and bounds are wider.
 const MOST_STEPS: f64 = 1e4;
@@ -24,16 +28,22 @@ pub(super) struct Way<'a> {
     pub(super) slack: f64,
 }
 
-impl Band {
+impl Rows {
     /// How deep a cutter enters the material along a way.
-    pub(super) fn enter(&self, cutter: &Cutter, way: Way<'_>, effect: &mut Effect) {
-        // A cutter that rises straight stays within the material that it has left.
-        if way.line.end.xy() == way.line.start.xy() && way.line.end.z >= way.line.start.z {
-            return;
-        }
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub(super) fn enter(
+        &self,
+        cutter: &Cutter,
+        way: Way<'_>,
+        effect: &mut Effect,
+        budget: &Budget,
+    ) -> Result<(), Stopped> {
         let solid = Solid { flat: cutter.flat_radius(), corner: cutter.corner_radius() };
         let half = self.grid.half_diagonal();
         for step in steps(way.line, FALL * half) {
+            budget.check()?;
             let sweep = Sweep::new(*cutter, &step);
             let lowest = sweep.lowest() - way.slack;
             let reach = cutter.radius() + way.slack + half;
@@ -41,37 +51,55 @@ impl Band {
             for j in first..last {
                 let [from, to] = self.columns_near(&sweep, reach, j);
                 for i in from..to {
-                    let outer = self.outer_at(i, j);
+                    let [outer, inner] = self.heights(i, j);
                     if outer <= lowest {
                         continue;
                     }
-                    let away = (sweep.distance(self.center(i, j)) - half - way.slack).max(0.0);
-                    let depth = solid.depth_at(away, outer - lowest);
-                    if depth > effect.depth_bound_mm {
-                        effect.depth_bound_mm = depth;
-                        effect.bound_at = Some(self.center(i, j));
+                    let nearest = self.meet(&sweep, &solid, (i, j), way.slack, effect);
+                    if outer - inner <= KNOWN_MM {
+                        // The height of the whole cell is known, and so is its nearest place.
+                        let away = (nearest - way.slack).max(0.0);
+                        effect.enter(solid.depth_at(away, outer - lowest), self.center(i, j));
+                    } else {
+                        let away = (sweep.distance(self.center(i, j)) - half - way.slack).max(0.0);
+                        effect.touch(solid.depth_at(away, outer - lowest), self.center(i, j));
                     }
-                    self.meet(&sweep, &solid, (i, j), way.slack, effect);
                 }
             }
         }
+        Ok(())
     }
 
-    /// How deep certain material at the corners of a cell lies in the cutter.
-    fn meet(&self, sweep: &Sweep, solid: &Solid, (i, j): (usize, usize), slack: f64, effect: &mut Effect) {
-        for (i, j) in [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)] {
-            let height = self.certain(i, j);
-            if height == NOTHING {
-                continue;
-            }
-            let p = self.grid.corner(i, j);
+    /// How deep certain material of a cell lies in the cutter. Returns the distance of the cell from the
+    /// line, mm: a corner of the cell or an end of the line is nearest, unless they cross.
+    fn meet(
+        &self,
+        sweep: &Sweep,
+        solid: &Solid,
+        (i, j): (usize, usize),
+        slack: f64,
+        effect: &mut Effect,
+    ) -> f64 {
+        let inner = self.heights(i, j)[1];
+        let mut nearest = f64::INFINITY;
+        let mut look = |p: Point2<f64>, height: f64| {
             let tip = sweep.tip_nearest(p);
-            let depth = solid.depth_at((p - tip.xy()).norm() + slack, height - tip.z - slack);
-            if depth > effect.found_mm {
+            let away = (p - tip.xy()).norm();
+            nearest = nearest.min(away);
+            let depth = solid.depth_at(away + slack, height - tip.z - slack);
+            if height > NOTHING && depth > effect.found_mm {
                 effect.found_mm = depth;
                 effect.found_at = Some(Point3::new(p.x, p.y, height));
             }
+        };
+        for (i, j) in [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)] {
+            look(self.grid.corner(i, j), self.certain(i, j).max(inner));
         }
+        let [low, high] = [self.grid.corner(i, j), self.grid.corner(i + 1, j + 1)];
+        for p in sweep.ends().into_iter().chain([sweep.tip_nearest(self.center(i, j)).xy()]) {
+            look(p.sup(&low).inf(&high), inner);
+        }
+        nearest
     }
 
     /// How near the sections of `assembly` come to the material along a way. Distances of `limit` mm or more
@@ -83,9 +111,8 @@ impl Band {
         (limit, least): (&mut f64, f64),
         effect: &mut Effect,
     ) {
-        let half = self.grid.half_diagonal();
         let below = assembly.lowest_section();
-        for step in steps(way.line, 2.0 * half) {
+        for step in [*way.line] {
             let sweep = Sweep::new(assembly.cutter, &step);
             let lowest = sweep.lowest() - way.slack;
             let reach = assembly.widest_section() + *limit + way.slack;
@@ -164,9 +191,13 @@ impl Band {
 
 /// A line in parts, each of which falls or rises by at most `fall` mm, or runs straight up or down.
 fn steps(line: &Line, fall: f64) -> impl Iterator<Item = Line> {
-    let way = line.end - line.start;
-    let is_level = way.x == 0.0 && way.y == 0.0;
-    let n = if is_level { 1.0 } else { (way.z.abs() / fall).ceil().clamp(1.0, MOST_STEPS) };
+    let is_upright = line.end.xy() == line.start.xy();
+    parts(line, if is_upright { f64::INFINITY } else { fall })
+}
+
+/// A line in parts, each of which falls or rises by at most `fall` mm.
+pub(super) fn parts(line: &Line, fall: f64) -> impl Iterator<Item = Line> {
+    let n = ((line.end.z - line.start.z).abs() / fall).ceil().clamp(1.0, MOST_STEPS);
     let line = *line;
     (0..n as usize).map(move |k| Line {
         start: line.point_at(k as f64 / n),

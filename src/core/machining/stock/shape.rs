@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Point3, Vector2};
 
-use super::band::{Band, NOTHING};
+use super::band::{NOTHING, Rows};
 use super::blocks::Blocks;
 use super::grid::Grid;
 use crate::budget::Stopped;
@@ -74,7 +74,7 @@ impl Shape {
     }
 
     /// The rows of a height map of the shape.
-    pub(super) fn band(&self, grid: &Grid, rows: [usize; 2], (bottom, top): (f64, f64)) -> Band {
+    pub(super) fn band(&self, grid: &Grid, rows: [usize; 2], (bottom, top): (f64, f64)) -> Rows {
         let [columns, height] = [grid.n[0], rows[1] - rows[0]];
         let mut outer = vec![NOTHING; columns * height];
         let mut inner = outer.clone();
@@ -97,6 +97,6 @@ impl Shape {
                 }
             }
         });
-        Band { grid: *grid, rows, bottom, outer, inner, samples, blocks: Blocks::new([columns, height]) }
+        Rows { grid: *grid, rows, bottom, outer, inner, samples, blocks: Blocks::new([columns, height]) }
     }
 }

@@ -15,8 +15,8 @@ use crate::geometry::curve::Line;
 use crate::geometry::segment::left;
 use crate::machining::cutter::Cutter;
 
-/// Error of the slope at the lowest place of a bull nose on a slope. The height there exceeds the least height
-/// by less than this times the cutter's radius.
+/// Error of the slope at the lowest place of a bull nose on a slope. The height there exceeds the least
+/// height by less than this times the cutter's radius.
 const ENOUGH: f64 = 1e-10;
 
 /// The most steps of the search for that place. About eight are usual.
@@ -153,6 +153,11 @@ impl Sweep {
         at(u - reach).min(at(u + reach))
     }
 
+    /// Both ends of the line in plan.
+    pub(super) fn ends(&self) -> [Point2<f64>; 2] {
+        [self.start, self.start + self.along * self.length]
+    }
+
     /// The place of the tip that is nearest to `p` in plan, mm.
     pub(super) fn tip_nearest(&self, p: Point2<f64>) -> Point3<f64> {
         let u = (p - self.start).dot(&self.along).clamp(0.0, self.length);
@@ -186,8 +191,8 @@ fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Where a function that grows from a value below zero at 0 passes zero, in [0, end]; `end` if it does not. By
-/// false position, where a bound that stays counts half (the Illinois method).
+/// Where a function that grows from a value below zero at 0 passes zero, in [0, end]; `end` if it does not.
+/// By false position, where a bound that stays counts half (the Illinois method).
 fn first_not_below(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     let [mut low, mut high] = [0.0, end];
     let [mut below, mut above] = [f(low), f(high)];

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::geometry::curve::{Arc, Direction};
 use crate::geometry::plane::Plane;
-use crate::machining::assembly::Section;
+use crate::machining::assembly::Frustum;
 
 const MOST: usize = 4_000_000;
 
@@ -23,7 +23,7 @@ fn line(from: [f64; 3], to: [f64; 3]) -> Curve {
 }
 
 fn feed(tip: Curve, tool: &Assembly) -> Step<'_> {
-    Step { tip, slack_mm: 0.0, tool, is_rapid: false }
+    Step { tip, slack_mm: 0.0, tool, is_rapid: false, is_sure: true }
 }
 
 fn run(stock: &Stock, steps: &[Step<'_>]) -> (Stock, Vec<Effect>) {
@@ -147,7 +147,7 @@ fn a_rapid_meets_what_is_left_alone() {
 
 #[test]
 fn a_holder_keeps_its_distance_from_what_is_left() {
-    let holder = Section { bottom_mm: 20.0, top_mm: 60.0, bottom_radius_mm: 20.0, top_radius_mm: 25.0 };
+    let holder = Frustum { bottom_mm: 20.0, top_mm: 60.0, bottom_radius_mm: 20.0, top_radius_mm: 25.0 };
     let tool = Assembly { cutter: Cutter::bull_nose(5.0, 0.0), sections: vec![holder] };
     let raw = stock(&block(100.0, 60.0, 40.0), 0.5);
     let steps = [-10.0, -15.0, -25.0].map(|z| feed(line([50.0, 30.0, z], [60.0, 30.0, z]), &tool));

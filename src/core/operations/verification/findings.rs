@@ -9,7 +9,7 @@ pub const MOST_LISTED: usize = 1000;
 
 /// A move of the toolpath.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Place {
+pub struct MoveNumber {
     pub pass: usize,
     /// The number of the move in its pass.
     pub index: usize,
@@ -65,7 +65,7 @@ pub enum Verdict {
 pub struct Finding {
     pub kind: Kind,
     pub certainty: Certainty,
-    pub place: Place,
+    pub place: MoveNumber,
     pub at: Option<Point3<f64>>,
     /// The depth, the distance, or the excess over a limit that was found, mm; `None` where none was.
     pub found_mm: Option<f64>,

@@ -5,6 +5,7 @@ use super::motions::Motion;
 use super::part::{Depths, PartProof};
 use super::{Error, Job, Worst};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::curve::Curve;
 use crate::machining::gouge::Penetration;
 
 /// By how much a bound may exceed the depth that is found, as a share of the tolerance.
@@ -68,11 +69,15 @@ fn row(
         budget.check()?;
         let proof = &proofs[job.tool_of_pass[motion.place.pass]];
         let mut own = within;
-        for curve in &motion.curves {
+        for curve in motion.curves() {
             own = proof.penetration(curve, slack, GAP * tolerance, own, budget)?;
         }
+        let mut is_certain = false;
         if own.bound_mm > tolerance {
-            own = decided(motion, proof.as_ref(), job, budget)?;
+            let of_ways = motion.ways.iter().map(|way| decided(way, proof.as_ref(), job, budget));
+            let of_ways = of_ways.collect::<Result<Vec<_>, _>>()?;
+            is_certain = of_ways.iter().all(|way| way.found_mm - slack > tolerance);
+            own = of_ways.into_iter().fold(Penetration::NONE, Penetration::or_deeper);
         }
         if own.bound_mm <= tolerance {
             within = within.or_deeper(own);
@@ -85,7 +90,6 @@ fn row(
         };
         worst = deeper(worst, told);
         if own.bound_mm > tolerance {
-            let is_certain = own.found_mm - slack > tolerance;
             findings.push(Finding {
                 kind: if motion.is_rapid { Kind::RapidThroughPart } else { Kind::Gouge },
                 certainty: if is_certain { Certainty::Certain } else { Certainty::Possible },
@@ -99,13 +103,14 @@ fn row(
     Ok(Row { worst, findings })
 }
 
-/// The depth of one move, so finely bounded that it lies on one side of the tolerance where that is possible.
-fn decided(motion: &Motion, proof: &dyn Depths, job: &Job, budget: &Budget) -> Result<Penetration, Stopped> {
+/// The depth of one way of a move, so finely bounded that it lies on one side of the tolerance where that is
+/// possible.
+fn decided(way: &[Curve], proof: &dyn Depths, job: &Job, budget: &Budget) -> Result<Penetration, Stopped> {
     let (tolerance, slack) = (job.tolerance_mm, job.control_tolerance_mm);
     let mut gap = GAP * tolerance;
     loop {
         let mut own = Penetration::NONE;
-        for curve in &motion.curves {
+        for curve in way {
             own = proof.penetration(curve, slack, gap, own, budget)?;
         }
         let is_decided = own.bound_mm <= tolerance || own.found_mm - slack > tolerance;

@@ -34,11 +34,14 @@ pub(super) fn run(
     let mut steps = Vec::with_capacity(motions.len());
     let mut owners = Vec::with_capacity(motions.len());
     for (k, motion) in motions.iter().enumerate() {
-        for curve in &motion.curves {
+        let is_sure = motion.ways.len() == 1;
+        for (way, curve) in
+            motion.ways.iter().enumerate().flat_map(|(n, way)| way.iter().map(move |c| (n, c)))
+        {
             let tool = &job.tool(motion).assembly;
             let is_rapid = motion.is_rapid;
-            steps.push(Step { tip: *curve, slack_mm: job.control_tolerance_mm, tool, is_rapid });
-            owners.push(k);
+            steps.push(Step { tip: *curve, slack_mm: job.control_tolerance_mm, tool, is_rapid, is_sure });
+            owners.push((k, way));
         }
     }
     let (left, effects) = stock.after(&steps, job.clearance_mm, budget)?;
@@ -54,27 +57,47 @@ pub(super) fn run(
     let mut nearest =
         has_sections.then_some(Worst { bound_mm: FAR_MM, found_mm: None, at: None, place: None });
     let half = stock.grid().half_diagonal();
-    for (effect, owner) in effects.iter().zip(&owners) {
-        let motion = &motions[*owner];
+    for (motion, effect) in joined(&effects, &owners, motions) {
         if motion.is_rapid {
-            rapid(effect, half, job, motion, &mut report, findings);
+            rapid(&effect, half, job, motion, &mut report, findings);
         } else {
-            feed(effect, job, motion, &mut report, findings);
+            feed(&effect, job, motion, &mut report, findings);
         }
         if let Some(nearest) = &mut nearest {
-            approach(effect, job, motion, nearest, findings);
+            approach(&effect, job, motion, nearest, findings);
         }
     }
     Ok((report, nearest))
 }
 
+/// The effects of the ways of each motion together: bounds of all ways, and what is found on each of them.
+fn joined<'m>(
+    effects: &[Effect],
+    owners: &[(usize, usize)],
+    motions: &'m [Motion],
+) -> Vec<(&'m Motion, Effect)> {
+    let mut all: Vec<(&Motion, Effect)> = Vec::with_capacity(motions.len());
+    let all_steps = effects.iter().zip(owners).collect::<Vec<_>>();
+    for of_motion in all_steps.chunk_by(|(_, one), (_, other)| one.0 == other.0) {
+        let ways = of_motion.chunk_by(|(_, one), (_, other)| one.1 == other.1);
+        let of_way = |way: &[(&Effect, &(usize, usize))]| {
+            way.iter().fold(Effect::NONE, |sum, (own, _)| sum.and(**own))
+        };
+        let sum = ways.map(of_way).reduce(Effect::or);
+        all.extend(sum.map(|effect| (&motions[of_motion[0].1.0], effect)));
+    }
+    all
+}
+
 /// The largest size of a cell, mm.
 fn cell_mm(raw: &Shape, job: &Job) -> f64 {
-    let area = raw.rectangle().map_or(0.0, |[low, high]| (high.x - low.x) * (high.y - low.y));
+    let [width, height] = raw.rectangle().map_or([0.0; 2], |[low, high]| [high.x - low.x, high.y - low.y]);
+    let area = width * height;
     let radii = job.tools.iter().map(|tool| tool.assembly.cutter.radius());
     let usual = (area / CELLS).sqrt().min(CELL_OF_RADIUS * radii.fold(f64::INFINITY, f64::min));
-    // One row and one column more for what is left over at the edges.
-    let least = (area / (0.9 * job.most_cells as f64)).sqrt();
+    // One row and one column more for what is left over at the edges, of a long strip one at each cell.
+    let most = job.most_cells as f64;
+    let least = (area / (0.8 * most)).sqrt().max((width + height) / (0.1 * most));
     job.cell_mm.unwrap_or(usual.max(least))
 }
 
@@ -88,16 +111,20 @@ fn rapid(
     findings: &mut Findings,
 ) {
     let found_mm = effect.found_at.map(|_| effect.found_mm);
-    let bound_mm = effect.depth_bound_mm.max(effect.found_mm);
-    let at =
-        effect.found_at.or_else(|| effect.bound_at.map(|p| Point3::new(p.x, p.y, motion.curves[0].end().z)));
+    let bound_mm = effect.depth_bound();
+    let bound_at =
+        || effect.bound_at.zip(motion.along()).map(|(p, along)| Point3::new(p.x, p.y, along.end().z));
+    let at = effect.found_at.or_else(bound_at);
     if bound_mm > report.rapid_depth.bound_mm {
         report.rapid_depth = Worst { bound_mm, found_mm, at, place: Some(motion.place) };
     }
     let radius = job.tool(motion).assembly.cutter.radius();
-    let allowed = job.tolerance_mm + (BESIDE_WALLS * half_diagonal).min(UNDECIDED_OF_RADIUS * radius);
+    let beside = (BESIDE_WALLS * half_diagonal).min(UNDECIDED_OF_RADIUS * radius);
+    // The program has cut its walls with the same slack as it comes back to them.
+    let allowed = job.tolerance_mm + beside + 2.0 * job.control_tolerance_mm;
     let is_certain = effect.found_mm > job.tolerance_mm;
-    if is_certain || bound_mm > allowed {
+    let is_possible = effect.depth_bound_mm > job.tolerance_mm || effect.beside_bound_mm > allowed;
+    if is_certain || is_possible {
         findings.add(Finding {
             kind: Kind::RapidThroughStock,
             certainty: if is_certain { Certainty::Certain } else { Certainty::Possible },

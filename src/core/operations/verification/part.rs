@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::motions::Motion;
+use super::motions::{Motion, farthest};
 use super::{Error, Job, MaterialReport, Owner, Part, Worst, region};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::Curve;
@@ -59,7 +59,7 @@ impl PartProof {
         })
     }
 
-    /// How deep the moves of a cutter enter the part, or the part grown by `by` mm on all sides.
+    /// How deep the moves of a cutter enter the part. A surface is grown by `by` mm along its normals.
     pub(super) fn depths(&self, cutter: &Cutter, by: f64) -> Box<dyn Depths + '_> {
         match self {
             Self::Surface { surface, allowance_mm } => {
@@ -71,7 +71,7 @@ impl PartProof {
                 }
             }
             Self::Pocket { walls, floor_mm } => {
-                Box::new(Pocket { walls, floor_mm: *floor_mm, cutter: *cutter, by })
+                Box::new(PocketProof { walls, floor_mm: *floor_mm, cutter: *cutter })
             }
         }
     }
@@ -115,15 +115,14 @@ impl<P: Patch> Depths for GougeProof<'_, P> {
     }
 }
 
-/// A pocket whose walls and floor are grown by `by` mm, for one cutter.
-struct Pocket<'a> {
+/// The walls and the floor of a pocket, for one cutter.
+struct PocketProof<'a> {
     walls: &'a Prism,
     floor_mm: f64,
     cutter: Cutter,
-    by: f64,
 }
 
-impl Depths for Pocket<'_> {
+impl Depths for PocketProof<'_> {
     fn penetration(
         &self,
         tip: &Curve,
@@ -132,48 +131,22 @@ impl Depths for Pocket<'_> {
         known: Penetration,
         budget: &Budget,
     ) -> Result<Penetration, Stopped> {
-        // A part grown by a layer enters the cutter as deep as the part enters the cutter grown by the layer.
-        let cutter = self.cutter.enlarged(self.by);
         let asked =
             Asked { slack_mm: slack, gap_mm: gap, enough_mm: known.bound_mm.max(known.found_mm + gap) };
-        let lowered = if self.by > 0.0 { lowered(tip, self.by) } else { *tip };
-        let of_walls = self.walls.depth(&cutter, &lowered, asked, budget)?;
+        let of_walls = self.walls.depth(&self.cutter, tip, asked, budget)?;
         let walls = Penetration {
             bound_mm: of_walls.bound.max(0.0),
             found_mm: of_walls.found.max(0.0),
             at: of_walls.at,
         };
-        let lowest = lowest(&lowered);
-        let depth = |z: f64| depth_in_floor(&cutter, self.floor_mm, z).max(0.0);
+        let lowest = farthest(tip, 2, -1.0);
+        let least = -tip.support(&-Vector3::z());
+        let depth = |z: f64| depth_in_floor(&self.cutter, self.floor_mm, z).max(0.0);
         let floor =
-            Penetration { bound_mm: depth(lowest.z - slack), found_mm: depth(lowest.z), at: Some(lowest) };
+            Penetration { bound_mm: depth(least - slack), found_mm: depth(lowest.z), at: Some(lowest) };
         let own = walls.or_deeper(floor);
         Ok(known.or_deeper(Penetration { at: own.at.filter(|_| own.found_mm > 0.0), ..own }))
     }
-}
-
-/// The curve `by` mm lower.
-fn lowered(tip: &Curve, by: f64) -> Curve {
-    let down = Vector3::z() * -by;
-    match tip {
-        Curve::Line(line) => {
-            Curve::Line(crate::geometry::curve::Line { start: line.start + down, end: line.end + down })
-        }
-        Curve::Arc(arc) => Curve::Arc(arc.translated(&down)),
-        Curve::Parabola(parabola) => Curve::Parabola(parabola.translated(&down)),
-    }
-}
-
-/// The lowest place of a curve; of several, one end.
-fn lowest(tip: &Curve) -> Point3<f64> {
-    let z = -tip.support(&-Vector3::z());
-    let [start, end] = [tip.start(), tip.end()];
-    let end = if start.z <= end.z { start } else { end };
-    if end.z <= z {
-        return end;
-    }
-    let middle = tip.point_at(0.5);
-    Point3::new(middle.x, middle.y, z)
 }
 
 /// Every place counts as reached: what stands there stands, whatever the cutter.
@@ -183,6 +156,11 @@ impl Reach for All {
     fn is_reached(&self, _: &Point3<f64>, _: &Vector3<f64>, _: f64, _: &Budget) -> Result<bool, Stopped> {
         Ok(true)
     }
+}
+
+/// Whether a move begins where another one ends.
+fn joined(one: &Motion, other: &Motion) -> bool {
+    one.along().zip(other.along()).is_some_and(|(one, other)| one.end() == other.start())
 }
 
 /// What the feed moves leave on a surface. Of several tools the one that leaves least counts: what it leaves
@@ -199,11 +177,9 @@ fn excess<P: Patch>(
     for (k, tool) in job.tools.iter().enumerate() {
         let is_own = |motion: &Motion| job.tool_of_pass[motion.place.pass] == k && !motion.is_rapid;
         let runs: Vec<Vec<Curve>> = motions
-            .chunk_by(|one, other| {
-                is_own(one) && is_own(other) && one.curves[0].end() == other.curves[0].start()
-            })
+            .chunk_by(|one, other| is_own(one) && is_own(other) && joined(one, other))
             .filter(|run| is_own(&run[0]))
-            .map(|run| run.iter().map(|motion| motion.curves[0]).collect())
+            .map(|run| run.iter().filter_map(Motion::along).copied().collect())
             .collect();
         if runs.is_empty() {
             continue;
@@ -232,7 +208,7 @@ fn excess<P: Patch>(
     }))
 }
 
-/// What stands above the floor inside the walls.
+/// What stands above the floor inside the walls, farther than a diagonal of a cell from each wall.
 fn above_floor(
     walls: &Prism,
     floor_mm: f64,
@@ -242,7 +218,9 @@ fn above_floor(
     let grid = material.left.grid();
     let mut worst = Worst { bound_mm: 0.0, found_mm: None, at: None, place: None };
     let mut area = 0.0;
-    let place = |center, radius| walls.region.place(center, radius);
+    // A cell beside a wall may reach past what a cutter along the wall sweeps.
+    let diagonal = 2.0 * grid.half_diagonal();
+    let place = |center, radius: f64| walls.region.place(center, radius + diagonal);
     grid.divide([[0, grid.n[0]], [0, grid.n[1]]], &place, &mut |[columns, rows], own| {
         if own != Containment::Inside {
             return;

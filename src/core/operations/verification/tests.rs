@@ -5,7 +5,7 @@ use crate::geometry::curve::Direction;
 use crate::geometry::plane::Plane;
 use crate::geometry::segment::Segment;
 use crate::geometry::surface::point_grid::{Ends, PointGrid, Twist};
-use crate::machining::assembly::Section;
+use crate::machining::assembly::Frustum;
 use crate::machining::cutter::Cutter;
 use crate::toolpath::units::FeedRate;
 use crate::toolpath::{Move, Role};
@@ -124,7 +124,7 @@ fn rapids_through_part_and_stock_are_found() {
 /// A rapid past a clamp is straight or a dog-leg that goes through the clamp.
 #[test]
 fn a_dog_leg_is_told_from_a_straight_rapid() {
-    let clamp = Fixture { outlines: rectangle([30.0, -5.0], [40.0, 5.0]), top_mm: 30.0 };
+    let clamp = Fixture { outlines: rectangle([30.0, -5.0], [40.0, 5.0]), bottom_mm: 0.0, top_mm: 30.0 };
     let mut builder = Toolpath::builder(p(0.0, 0.0, 60.0));
     builder.rapid(p(80.0, 0.0, 20.0)).unwrap();
     let toolpath = builder.finish().unwrap();
@@ -145,7 +145,7 @@ fn a_dog_leg_is_told_from_a_straight_rapid() {
 #[test]
 fn a_holder_meets_wall_and_stock() {
     let holder =
-        |bottom_mm: f64| Section { bottom_mm, top_mm: 60.0, bottom_radius_mm: 15.0, top_radius_mm: 15.0 };
+        |bottom_mm: f64| Frustum { bottom_mm, top_mm: 60.0, bottom_radius_mm: 15.0, top_radius_mm: 15.0 };
     let of = |bottom_mm: f64, clearance_mm: f64| {
         let tool = Tool {
             assembly: Assembly { cutter: Cutter::bull_nose(5.0, 0.0), sections: vec![holder(bottom_mm)] },
@@ -217,7 +217,7 @@ fn outlines_that_cross_themselves_are_refused() {
     let corner = [[0.0, 0.0], [10.0, 10.0], [10.0, 0.0], [0.0, 10.0]].map(Point2::from);
     outlines.boundary =
         [0, 1, 2, 3].map(|k| Segment::Line { start: corner[k], end: corner[(k + 1) % 4] }).to_vec();
-    let fixtures = vec![Fixture { outlines, top_mm: 3.0 }];
+    let fixtures = vec![Fixture { outlines, bottom_mm: 0.0, top_mm: 3.0 }];
     let refused = verify(&Job { fixtures, ..in_pocket(ring(|_, at| at)) }, &Budget::unlimited());
     assert!(matches!(refused, Err(Error::Outline { owner: Owner::Fixture(0), .. })), "{refused:?}");
 }

@@ -19,6 +19,7 @@ use crate::http::dto::modelling::ModelJob;
 use crate::http::dto::program_reading::ProgramReading;
 use crate::http::dto::program_writing::Writing;
 use crate::http::dto::setup::JobWithSetup;
+use crate::http::dto::verification::Verification;
 
 /// Curves across patches that a processor computes in half a second: wires and passes of a ball cutter take
 /// some 0.2 ms for each patch that they cross.
@@ -82,6 +83,13 @@ impl SmallJob for ProgramReading {
     /// A short body may hold loops.
     fn is_small(&self) -> bool {
         !self.text.iter().any(|byte| b"#[LPKO".contains(&byte.to_ascii_uppercase()))
+    }
+}
+
+impl SmallJob for Verification {
+    /// A short body may hold a large stock.
+    fn is_small(&self) -> bool {
+        false
     }
 }
 

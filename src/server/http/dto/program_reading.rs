@@ -30,39 +30,39 @@ const MAX_OFFSETS: usize = 100;
 pub struct ReadRequest {
     /// The text of the program, with its line ends.
     #[schema(max_length = 16_777_216)]
-    nc: String,
+    pub(super) nc: String,
     /// Name of the control's dialect, as listed by `/v1/dialects`. `siemens`, `heidenhain` and `deckel` are
     /// not read.
     #[schema(value_type = Option<DialectName>, default = "linuxcnc")]
-    dialect: Option<String>,
+    pub(super) dialect: Option<String>,
     /// Unit of lengths before the first G20 or G21. Default: `mm`, and the answer warns.
     #[schema(default = "mm")]
-    units: Option<Units>,
+    pub(super) units: Option<Units>,
     /// What a length without a decimal point means. `increments`: 0.001 mm or 0.0001 inch, the default of
     /// `fanuc`, `haas` and `mazak`. `units`: the same as with a point, the default of `okuma` and `iso`. The
     /// other dialects always read units. The answer warns where a number has no point.
-    without_point: Option<WithoutPoint>,
+    pub(super) without_point: Option<WithoutPoint>,
     /// Where the tip of the tool stands before the first block, in mm. Default: not known. A cut from a place
     /// that is not known is refused.
-    start: Option<Point>,
+    pub(super) start: Option<Point>,
     /// The zeros of work offsets. Places of the answer are in coordinates of G54, or of the first of them
     /// where G54 is absent.
     #[serde(default, deserialize_with = "object::list")]
     #[schema(max_items = 100)]
-    offsets: Vec<WorkZero>,
+    pub(super) offsets: Vec<WorkZero>,
     /// Whether blocks behind a slash are left out. Default: they run.
-    block_delete: Option<bool>,
+    pub(super) block_delete: Option<bool>,
     /// What G41 and G42 mean. `wear`: the program's path is that of the cutter's centre, because the control
     /// corrects wear alone. Default: `refuse`.
     #[schema(default = "refuse")]
-    compensation: Option<Compensation>,
+    pub(super) compensation: Option<Compensation>,
     /// Speed of rapids, in mm/min.
     #[schema(minimum = 0.001, maximum = 1_000_000, default = 10_000)]
-    rapid_feed_mm_per_min: Option<f64>,
+    pub(super) rapid_feed_mm_per_min: Option<f64>,
     /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer
     /// and the sheet repeat the texts.
     #[schema(value_type = Option<MetaTexts>)]
-    meta: Option<Meta>,
+    pub(super) meta: Option<Meta>,
 }
 
 /// The zero of a work offset.

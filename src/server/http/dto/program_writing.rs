@@ -112,6 +112,7 @@ impl IntoJob for WriteRequest {
             cutting: request.as_ref(),
             arc_tolerance_mm: ARC_TOLERANCE_STEPS * setup.program.resolution.step_mm(),
             max_moves: limits.moves,
+            may_be_apart: false,
         };
         let read = toolpath.convert(&root.field("toolpath"), &reading, &mut violations);
         let Some(Read { toolpath, moved_mm }) = read else { return Err(violations.into_error()) };

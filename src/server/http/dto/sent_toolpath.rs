@@ -68,6 +68,8 @@ pub struct ReadSettings<'a> {
     pub arc_tolerance_mm: f64,
     /// Most moves of a toolpath.
     pub max_moves: usize,
+    /// Whether a pass may begin where the way to it is not known.
+    pub may_be_apart: bool,
 }
 
 /// A toolpath of the core, made from a request.
@@ -154,6 +156,9 @@ impl Reader<'_> {
     /// The tool is at `start`, on a way that is not known. No program can be written of such a toolpath.
     fn goes_unseen(&mut self, start: Point, at: impl Fn() -> Pointer) {
         check_point(&start, &at, self.violations);
+        if self.reading.may_be_apart {
+            return self.builder.begin_apart(start.into());
+        }
         let detail =
             "the way to this place is not known, so no program can be written; send a rapid there instead";
         self.violations.add(&at(), FieldCode::Unsupported, detail);

@@ -44,6 +44,16 @@ pub struct Tool {
 }
 
 impl Tool {
+    /// A tool with its numbers in the tables of the control: that of the tool and that of its length offset.
+    pub fn new(
+        shape: Shape,
+        diameter_mm: f64,
+        corner_radius_mm: Option<f64>,
+        (number, length_offset): (Option<u32>, Option<u32>),
+    ) -> Self {
+        Self { shape, diameter_mm, corner_radius_mm, number, length_offset }
+    }
+
     /// The tool in the core's terms. Adds violations to `violations`.
     pub fn convert(self, at: &Pointer, violations: &mut Violations) -> core::Tool {
         let Self { shape, diameter_mm, corner_radius_mm, number, length_offset } = self;

@@ -30,6 +30,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
     ],
     "programs-read": ["drilling", "loop", "pocket"],
     "programs-write": ["contour", "holes", "inch-fanuc", "leaning", "one-line", "parabolas", "three-operations"],
+    "programs-verify": ["clamp", "faults", "pocket"],
     "surfaces-drop": ["bowl", "bull-nose"],
     "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "job-order", "one-pass", "wire-union"],
     "surfaces-model": ["cylinder", "ferguson", "normal-sweep", "parallel-sweep", "ruled", "sloping-plane"],

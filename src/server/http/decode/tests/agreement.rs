@@ -24,6 +24,7 @@ use crate::http::dto::modelling::ModelRequest;
 use crate::http::dto::pocketing::PocketRequest;
 use crate::http::dto::program_reading::ReadRequest;
 use crate::http::dto::program_writing::WriteRequest;
+use crate::http::dto::verification::VerifyRequest;
 use crate::http::error::{FieldCode, FieldError};
 use crate::http::pointer::Pointer;
 use toolpathd_core::budget::Budget;
@@ -336,6 +337,7 @@ agreement! {
     smoothing_agrees_with_its_schema: SmoothRequest, "five-axis-smooth";
     pockets_agree_with_their_schema: PocketRequest, "pockets-plan";
     reading_agrees_with_its_schema: ReadRequest, "programs-read";
+    verifying_agrees_with_its_schema: VerifyRequest, "programs-verify";
     writing_agrees_with_its_schema: WriteRequest, "programs-write";
     dropping_agrees_with_its_schema: DropRequest, "surfaces-drop";
     milling_agrees_with_its_schema: MillRequest, "surfaces-mill";

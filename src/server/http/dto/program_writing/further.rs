@@ -114,6 +114,7 @@ impl FurtherOperation {
             cutting: before.request.as_ref(),
             arc_tolerance_mm: ARC_TOLERANCE_STEPS * before.program.resolution.step_mm(),
             max_moves,
+            may_be_apart: false,
         };
         let read = toolpath.convert(&at.field("toolpath"), &reading, violations);
         let operation = read.map(|Read { toolpath, moved_mm }| {

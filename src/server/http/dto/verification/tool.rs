@@ -1,0 +1,177 @@
+//! Tools in requests to verify: the cutter, and what holds it.
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use crate::http::decode::object;
+use crate::http::dto::check::{Range, Violations};
+use crate::http::dto::schema::{array_of, reference, schema_of};
+use crate::http::dto::tool::{Shape, Tool};
+use crate::http::error::FieldCode;
+use crate::http::pointer::Pointer;
+use toolpathd_core::machining::assembly::{Assembly, Frustum};
+use toolpathd_core::operations::verification as core;
+
+/// The most tools.
+pub const MOST: usize = 200;
+
+/// The most sections of shank and holder.
+const MOST_SECTIONS: usize = 100;
+
+/// Legal heights over the tip, mm.
+const HEIGHT: Range = Range { min: 0.0, max: 1e6 };
+
+/// A cutter with its shank and holder.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VerifiedTool {
+    /// The shape of the cutter's end: `ball`, `flat`, or `bull_nose`, which is a flat end with a rounded
+    /// corner.
+    shape: Shape,
+    /// Diameter of the cutter, in mm. Its shank counts as wide up to any height.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    diameter_mm: f64,
+    /// Radius of the rounded corner of a `bull_nose`, in mm; at most half of the diameter. Required for a
+    /// `bull_nose`, refused for other shapes.
+    #[schema(minimum = 0.001, maximum = 500_000)]
+    corner_radius_mm: Option<f64>,
+    /// Number by which the program calls the tool. Required where `tools` has several.
+    #[schema(minimum = 1, maximum = 99_999)]
+    number: Option<u32>,
+    /// Number of the tool's length offset (H). It changes nothing of the answer.
+    #[schema(minimum = 1, maximum = 99_999)]
+    length_offset: Option<u32>,
+    /// Length of the cutting edges from the tip upwards, in mm. Default: without limit.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    flute_length_mm: Option<f64>,
+    /// Height of the lower end of the first section of `holder` over the tip, in mm.
+    #[schema(minimum = 0, maximum = 1_000_000, default = 0)]
+    stickout_mm: Option<f64>,
+    /// The sections of shank and holder from below upwards, each on top of the one before. Default: none, and
+    /// nothing but the cutter is verified.
+    #[serde(default, deserialize_with = "object::optional_list")]
+    #[schema(value_type = Option<HolderSections>)]
+    holder: Option<Vec<HolderSection>>,
+}
+
+schema_of!(HolderSections of HolderSection, "Sections of shank and holder, from below upwards.", {
+    array_of(reference::<HolderSection>(), 0, MOST_SECTIONS)
+});
+
+/// A section of shank or holder: a cylinder or a cone about the tool axis.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HolderSection {
+    /// Its length along the axis, in mm.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    length_mm: f64,
+    /// Its diameter at the lower end, in mm.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    diameter_mm: f64,
+    /// Its diameter at the upper end, in mm. Default: `diameter_mm`.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    top_diameter_mm: Option<f64>,
+}
+
+/// A tool in the core's terms, with the number by which the program calls it.
+#[derive(Debug)]
+pub struct NumberedTool {
+    pub number: Option<u32>,
+    pub has_holder: bool,
+    pub tool: core::Tool,
+}
+
+impl VerifiedTool {
+    pub fn convert(self, at: &Pointer, violations: &mut Violations) -> NumberedTool {
+        let Self {
+            shape,
+            diameter_mm,
+            corner_radius_mm,
+            number,
+            length_offset,
+            flute_length_mm,
+            stickout_mm,
+            holder,
+        } = self;
+        let sent = Tool::new(shape, diameter_mm, corner_radius_mm, (number, length_offset));
+        let cutter = sent.convert(at, violations).cutter();
+        violations.optional(&at.field("flute_length_mm"), flute_length_mm, Range::POSITIVE, "mm");
+        violations.optional(&at.field("stickout_mm"), stickout_mm, HEIGHT, "mm");
+        let holder = holder.unwrap_or_default();
+        let at_holder = at.field("holder");
+        if holder.len() > MOST_SECTIONS {
+            let detail = format!("there are {} sections; send at most {MOST_SECTIONS}", holder.len());
+            violations.add(&at_holder, FieldCode::TooLong, detail);
+        }
+        if stickout_mm.is_some() && holder.is_empty() {
+            let detail = "`stickout_mm` is the height of a `holder`; send the `holder`, or leave it out";
+            violations.add(&at.field("stickout_mm"), FieldCode::Conflict, detail);
+        }
+        let has_holder = !holder.is_empty();
+        let mut bottom_mm = stickout_mm.unwrap_or(0.0);
+        let mut sections = Vec::with_capacity(holder.len());
+        for (k, section) in holder.into_iter().enumerate() {
+            let HolderSection { length_mm, diameter_mm, top_diameter_mm } = section;
+            let own = at_holder.index(k);
+            violations.number(&own.field("length_mm"), length_mm, Range::POSITIVE, "mm");
+            violations.number(&own.field("diameter_mm"), diameter_mm, Range::POSITIVE, "mm");
+            violations.optional(&own.field("top_diameter_mm"), top_diameter_mm, Range::POSITIVE, "mm");
+            let top_mm = bottom_mm + length_mm;
+            let [bottom_radius_mm, top_radius_mm] =
+                [diameter_mm, top_diameter_mm.unwrap_or(diameter_mm)].map(|diameter| 0.5 * diameter);
+            // What is no wider than the cutter lies within the cutter's own shank.
+            if bottom_radius_mm.max(top_radius_mm) > cutter.radius() {
+                sections.push(Frustum { bottom_mm, top_mm, bottom_radius_mm, top_radius_mm });
+            }
+            bottom_mm = top_mm;
+        }
+        NumberedTool {
+            number,
+            has_holder,
+            tool: core::Tool { assembly: Assembly { cutter, sections }, flute_length_mm },
+        }
+    }
+}
+
+/// The tools of a request, which has one or several. Adds violations to `violations`.
+pub fn checked(
+    tool: Option<VerifiedTool>,
+    tools: Option<Vec<VerifiedTool>>,
+    violations: &mut Violations,
+) -> Vec<NumberedTool> {
+    let root = Pointer::root();
+    let tools = match (tool, tools) {
+        (Some(tool), None) => return vec![tool.convert(&root.field("tool"), violations)],
+        (None, Some(tools)) if (1..=MOST).contains(&tools.len()) => tools,
+        (None, Some(tools)) => {
+            let detail = format!("there are {} tools; send 1 to {MOST}", tools.len());
+            violations.add(&root.field("tools"), FieldCode::WrongLength, detail);
+            return Vec::new();
+        }
+        (one, _) => {
+            let at = if one.is_some() { root.field("tools") } else { root };
+            violations.add(&at, FieldCode::Conflict, "send either `tool` or `tools`");
+            return Vec::new();
+        }
+    };
+    let at = root.field("tools");
+    let is_one = tools.len() == 1;
+    let mut converted: Vec<NumberedTool> = Vec::with_capacity(tools.len());
+    for (k, tool) in tools.into_iter().enumerate() {
+        let own = at.index(k);
+        let tool = tool.convert(&own, violations);
+        match tool.number {
+            None if !is_one => {
+                let detail = "each of several tools needs the `number` by which the program calls it";
+                violations.add(&own.field("number"), FieldCode::MissingField, detail);
+            }
+            Some(number) if converted.iter().any(|other| other.number == Some(number)) => {
+                let detail = format!("tool {number} stands twice; send it once");
+                violations.add(&own.field("number"), FieldCode::Conflict, detail);
+            }
+            _ => {}
+        }
+        converted.push(tool);
+    }
+    converted
+}

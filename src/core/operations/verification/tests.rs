@@ -138,7 +138,8 @@ fn a_dog_leg_is_told_from_a_straight_rapid() {
     let clearance = straight.fixture_clearance.unwrap();
     assert!((clearance.bound_mm - f64::hypot(3.4, 6.8)).abs() < 0.01, "{clearance:?}");
     let dog_leg = of(Rapids::DogLeg);
-    assert_eq!(dog_leg.verdict, Verdict::Fail);
+    // The control may run straight.
+    assert_eq!(dog_leg.verdict, Verdict::Undecided);
     assert_eq!(dog_leg.fixture_clearance.unwrap().bound_mm, 0.0);
 }
 

@@ -71,6 +71,14 @@ export const smooth: Body<"smoothPath"> = {
 
 export const read: Body<"readProgram"> = { nc: "G21 G90\nG0 X0 Y0 Z5\nG1 X10 F500\nM2\n" };
 
+export const verify: Body<"verifyProgram"> = {
+  nc: "G21 G90\nG1 X10 F500\nM2\n",
+  start: [0, 0, 0],
+  tool: { shape: "flat", diameter_mm: 4 },
+  stock: { kind: "box", min: [0, -5, -9], max: [10, 5, 1] },
+  tolerance_mm: 0.01,
+};
+
 export const write: Body<"writeProgram"> = {
   toolpath: {
     start: [0, 0, 5],
@@ -96,7 +104,7 @@ export function length(move: components["schemas"]["Move"]): number {
 }
 
 // Does not compile when an operation with a body is missing above.
-type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "planPocket" | "readProgram" | "smoothPath" | "writeProgram";
+type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "planPocket" | "readProgram" | "smoothPath" | "verifyProgram" | "writeProgram";
 type WithBody = { [Name in keyof operations]: Body<Name> extends never ? never : Name }[keyof operations];
 export const every: WithBody extends Built ? true : never = true;
 

@@ -102,9 +102,16 @@ impl Solid {
         }
     }
 
-    /// The fixture of this shape. Adds violations to `violations`.
+    /// The fixture of this shape; without outlines where the solid has violations, which are added to
+    /// `violations`.
     pub fn fixture(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> core::Fixture {
-        let (outlines, bottom_mm, top_mm) = self.stock(at, limits, violations).outlines();
+        let before = violations.total();
+        let raw = self.stock(at, limits, violations);
+        if violations.total() > before {
+            let outlines = Outlines { boundary: Vec::new(), islands: Vec::new() };
+            return core::Fixture { outlines, bottom_mm: 0.0, top_mm: 0.0 };
+        }
+        let (outlines, bottom_mm, top_mm) = raw.outlines();
         core::Fixture { outlines, bottom_mm, top_mm }
     }
 }

@@ -79,7 +79,7 @@ pub struct Largest {
     pub at: Option<Point3<f64>>,
 }
 
-/// What is asked of a search along a path.
+/// How far the control may leave a path, and how precise a bound along the path has to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
     /// How far the control may leave the path, mm.

@@ -11,14 +11,15 @@
 //! 2. For each chord, compute the swept height (`sweep`) at the corners of the cells that the cutter passes
 //!    over. It is a convex function of the place: its value at the corners of a cell bounds it from above,
 //!    its tangent planes at the corners bound it from below (`band`).
-//! 3. With slack, the bound from above is that of a cutter that lies within the cutter at every place that
-//!    the control may run, and the bound from below is that of one that covers all these cutters.
+//! 3. With slack, the bound from above is that of a smaller cutter, which lies within the real cutter
+//!    wherever the control runs it. The bound from below is that of a larger cutter, which covers the real
+//!    cutter.
 //! 4. Before a step cuts, tell how deep a rapid enters the material, and how near sections of the shank and
 //!    of the holder come to it (`probe`).
 //!
 //! # Guarantees
 //! * Exact material lies between the inner and the outer heights, whatever the steps. Rounding is included.
-//! * What is found is certain: a step removes material, a rapid or a holder meets material.
+//! * Removed material, and a rapid or a holder that meets material, are told only where they are certain.
 //! * The result does not depend on the number of threads: each band of rows runs all steps in order.
 //!
 //! # Degenerate input
@@ -63,7 +64,7 @@ const STEPS_BETWEEN_CHECKS: usize = 256;
 /// Distances of shank and holder from the material are told below this, mm.
 pub const FAR_MM: f64 = 50.0;
 
-/// A raw part, or what is left of it.
+/// The material of a raw part before or after some moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stock {
     grid: Grid,
@@ -158,8 +159,8 @@ impl Effect {
         self.approach = Some(Approach { is_met, ..nearest });
     }
 
-    /// What happens if one of two ways is run, it is not known which: the bounds of both, and what is found
-    /// on each of them.
+    /// The effect of a move that the control runs on one of two ways: the bounds of both ways together,
+    /// and as certain only what both ways do.
     pub fn or(self, other: Self) -> Self {
         let less = if other.found_mm < self.found_mm { other } else { self };
         let removed = self.removed.and(other.removed);
@@ -168,7 +169,7 @@ impl Effect {
         let mut both = self.and(other);
         (both.found_mm, both.found_at, both.removed) = (less.found_mm, less.found_at, removed);
         both.approach = both.approach.map(|approach| Approach { is_met, ..approach });
-        // What is found on one way only bounds what may happen.
+        // A depth that is found on one way is a bound for both ways, and certain for neither.
         both.depth_bound_mm = both.depth_bound_mm.max(self.found_mm).max(other.found_mm);
         both
     }
@@ -366,7 +367,7 @@ impl Cut {
         };
         let within =
             cutter.reduced(slack).filter(|_| step.is_sure).map(|smaller| Sweep::new(smaller, &raised(slack)));
-        // A flat end stays a flat end, whose slopes are faster to compute than those of a small corner.
+        // A larger flat end covers it. The swept height of a rounded corner takes longer to compute.
         let larger = match cutter.corner_radius() {
             0.0 => Cutter::bull_nose(cutter.radius() + slack, 0.0),
             _ => cutter.enlarged(slack),

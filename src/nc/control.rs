@@ -11,6 +11,9 @@ pub enum Family {
     Mach,
     /// Fanuc and those that follow it.
     Fanuc,
+    Siemens,
+    /// Heidenhain's conversational programs.
+    Klartext,
 }
 
 /// What a length without a decimal point means.

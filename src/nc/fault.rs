@@ -52,6 +52,8 @@ pub enum Fault {
         "the ends of the arc are {chord_mm:.4} mm apart, which a radius of {radius_mm:.4} mm cannot span"
     )]
     SmallRadius { chord_mm: f64, radius_mm: f64 },
+    #[error("the axes of the plane are scaled by different factors, which makes an ellipse of the arc")]
+    Ellipse,
     #[error("a radius cannot say a full circle: write the distance of the centre")]
     ClosedRadius,
     #[error("the number {0} is out of range here")]

@@ -13,6 +13,7 @@ mod o_words;
 
 use toolpathd_core::budget::{Budget, Stopped};
 
+use super::Ran;
 use super::block::{Block, Line};
 use super::control::{Family, Language};
 use super::expression::{Reader, Variable};
@@ -61,8 +62,23 @@ struct Call {
     n_loops: usize,
 }
 
+/// Runs a program to its end, or to where no sense can be made of it.
+///
+/// # Errors
+/// When the budget ends.
+pub fn run<'a>(
+    machine: &mut Machine<'a>,
+    text: &'a [u8],
+    skips_optional: bool,
+    budget: &Budget,
+) -> Result<Ran, Stopped> {
+    let run = Execution::new(machine, text, skips_optional);
+    let n_lines = run.source.len();
+    Ok(Ran { n_lines, n_blocks: run.run_to_end(budget)? })
+}
+
 impl<'a, 'm> Execution<'a, 'm> {
-    pub fn new(machine: &'m mut Machine<'a>, text: &'a [u8], skips_optional: bool) -> Self {
+    fn new(machine: &'m mut Machine<'a>, text: &'a [u8], skips_optional: bool) -> Self {
         let language = machine.control.language;
         Self {
             machine,
@@ -80,11 +96,8 @@ impl<'a, 'm> Execution<'a, 'm> {
         }
     }
 
-    /// Runs the program to its end, or to where no sense can be made of it. Returns the number of blocks.
-    ///
-    /// # Errors
-    /// When the budget ends.
-    pub fn run_to_end(mut self, budget: &Budget) -> Result<usize, Stopped> {
+    /// The number of blocks that have run.
+    fn run_to_end(mut self, budget: &Budget) -> Result<usize, Stopped> {
         let total = self.source.len();
         while !self.has_ended && !self.machine.is_full() {
             if self.n_blocks.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {

@@ -28,6 +28,9 @@ mod block;
 mod codes;
 mod expression;
 mod flow;
+mod klartext;
+mod placement;
+mod siemens;
 mod source;
 mod statement;
 mod variables;
@@ -35,7 +38,7 @@ mod variables;
 use toolpathd_core::budget::{Budget, Stopped};
 use toolpathd_core::toolpath::Toolpath;
 
-use control::{Control, WithoutPoint};
+use control::{Control, Family, WithoutPoint};
 use fault::Refusal;
 use machine::{At, Machine, Setting};
 use notes::{LeftWord, Note};
@@ -99,6 +102,13 @@ pub struct ReadProgram {
     pub notes: Vec<Note>,
 }
 
+/// How much of a text has run.
+struct Ran {
+    n_lines: usize,
+    /// Blocks, each as often as it has run.
+    n_blocks: usize,
+}
+
 /// Why a program is not read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReadError {
@@ -126,9 +136,11 @@ pub fn read(job: &ReadJob<'_>, budget: &Budget) -> Result<ReadProgram, ReadError
         most_moves: job.most_moves,
     };
     let mut machine = Machine::new(&setting);
-    let run = flow::Execution::new(&mut machine, job.text, job.skips_optional);
-    let n_lines = run.source.len();
-    let n_blocks = run.run_to_end(budget)?;
+    let Ran { n_lines, n_blocks } = match job.control.family {
+        Family::Siemens => siemens::run(&mut machine, job.text, job.skips_optional, budget)?,
+        Family::Klartext => klartext::run(&mut machine, job.text, job.skips_optional, budget)?,
+        _ => flow::run(&mut machine, job.text, job.skips_optional, budget)?,
+    };
     machine.finish_notes();
     let Machine { record, refusals, left, notes, at, frames, .. } = machine;
     if !refusals.is_empty() {

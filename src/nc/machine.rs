@@ -23,6 +23,7 @@ use super::control::{Centers, Control, DwellTime, Family, WithoutPoint};
 use super::fault::{Fault, MAX_REFUSALS, Refusal};
 use super::frames::Frames;
 use super::notes::{LeftAlone, Note};
+use super::placement::Placement;
 use super::record::Record;
 use cycles::Cycle;
 
@@ -85,6 +86,8 @@ pub struct Machine<'a> {
     pub notes: Vec<Note>,
     pub at: At,
     pub frames: Frames,
+    /// Where coordinates of the program lie in the work offset.
+    pub placement: Placement,
     pub motion: Option<Motion>,
     cycle: Option<Cycle>,
     last_cycle_dwell_s: Option<f64>,
@@ -98,7 +101,7 @@ pub struct Machine<'a> {
     /// In mm/min, 1/min or mm per turn, by the mode.
     pub feed: Option<f64>,
     pub speed: Option<f64>,
-    is_turning: bool,
+    pub is_turning: bool,
     tool: Option<u32>,
     pub called_tool: Option<u32>,
     /// The number of the length offset, once a code has said so; 0 for none.
@@ -123,6 +126,7 @@ impl<'a> Machine<'a> {
             notes: Vec::new(),
             at: setting.start,
             frames: Frames::new(setting.offsets),
+            placement: Placement::plain(),
             motion: control.starts_rapid.then_some(Motion::Rapid),
             cycle: None,
             last_cycle_dwell_s: None,
@@ -165,7 +169,7 @@ impl<'a> Machine<'a> {
     }
 
     /// Refuses a move for a fault of the state before it, once: later blocks have the same fault.
-    fn refuse_state(&mut self, line: Line<'_>, fault: Fault) {
+    pub(crate) fn refuse_state(&mut self, line: Line<'_>, fault: Fault) {
         if !self.is_doubtful {
             self.refuse(line.refused(fault));
         }
@@ -181,7 +185,7 @@ impl<'a> Machine<'a> {
     }
 
     /// Tells the note once for each line.
-    fn note(&mut self, note: Note) {
+    pub(crate) fn note(&mut self, note: Note) {
         if self.notes.len() < MAX_REFUSALS && !self.notes.contains(&note) {
             self.notes.push(note);
         }
@@ -193,12 +197,17 @@ impl<'a> Machine<'a> {
         self.left.add(&word, line.number);
     }
 
-    fn in_inches(&self) -> bool {
+    pub(crate) fn in_inches(&self) -> bool {
         self.units.unwrap_or(self.setting.in_inches)
     }
 
+    /// Lengths are in inches, or in mm.
+    pub(crate) fn set_units(&mut self, in_inches: bool) {
+        self.units = Some(in_inches);
+    }
+
     /// Millimetres of one unit of length.
-    fn unit_mm(&self) -> f64 {
+    pub(crate) fn unit_mm(&self) -> f64 {
         if self.in_inches() { 25.4 } else { 1.0 }
     }
 

@@ -11,8 +11,9 @@ use toolpathd_core::toolpath::{Role, Toolpath};
 /// What one tool does, from its change to the next.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToolUse {
-    /// `None` before the first tool change.
+    /// `None` before the first tool change, and for a tool that the program calls by a name.
     pub number: Option<u32>,
+    pub name: Option<String>,
     /// The line of the change, counted from 1; 1 before the first change.
     pub line: usize,
     /// The index of the first pass that the tool cuts.
@@ -65,7 +66,7 @@ impl Record {
             limit,
             n_passes: 0,
             begins_pass: false,
-            tools: vec![ToolUse::begun(None, 1)],
+            tools: vec![ToolUse::begun(None, None, 1)],
             feeds: BTreeMap::new(),
             early_s: Vec::new(),
             n_rapids_not_counted: 0,
@@ -171,13 +172,13 @@ impl Record {
         Ok(())
     }
 
-    pub fn change_tool(&mut self, number: u32, line: usize) {
+    pub fn change_tool(&mut self, number: Option<u32>, name: Option<String>, line: usize) {
         self.begins_pass = self.builder.is_some();
         match self.tools.last_mut() {
             Some(tool) if tool.n_passes == 0 && tool.dwell_time_s == 0.0 => {
-                *tool = ToolUse::begun(Some(number), line);
+                *tool = ToolUse::begun(number, name, line);
             }
-            _ => self.tools.push(ToolUse::begun(Some(number), line)),
+            _ => self.tools.push(ToolUse::begun(number, name, line)),
         }
     }
 
@@ -190,9 +191,10 @@ impl Record {
 }
 
 impl ToolUse {
-    fn begun(number: Option<u32>, line: usize) -> Self {
+    fn begun(number: Option<u32>, name: Option<String>, line: usize) -> Self {
         Self {
             number,
+            name,
             line,
             first_pass: 0,
             n_passes: 0,

@@ -14,8 +14,9 @@ use nalgebra::{Point3, Vector2, Vector3};
 use toolpathd_core::geometry::curve::{Arc, ArcError, Curve, Direction};
 use toolpathd_core::toolpath::near_arc::near_arc;
 
-use super::{AXES, Block, Centers, Family, Fault, Line, Machine, Note, OFFSETS, WordValue};
+use super::{AXES, At, Block, Centers, Family, Fault, Line, Machine, Note, OFFSETS, WordValue};
 use crate::control::RadiusRule;
+use crate::placement::Coordinate;
 
 /// Ends that are nearer in the plane are equal: incremental coordinates add up with rounding. Far below every
 /// unit of a program.
@@ -40,6 +41,11 @@ impl Machine<'_> {
         let turns = self.turns(line, block);
         let ends = self.ends(line, &to);
         let has_center = offsets[a].is_some() || offsets[b].is_some();
+        let Some(direction) = self.sense_placed(line, direction) else {
+            block.use_up(&OFFSETS);
+            self.at = to;
+            return;
+        };
         let given = match radius {
             Some(slot) => {
                 if self.ignores_overridden() {
@@ -49,7 +55,8 @@ impl Machine<'_> {
                     block.use_up(&OFFSETS);
                 }
                 let radius_mm = self.length_mm(line, slot);
-                ends.and_then(|ends| self.center_by_radius(line, slot, ends, direction, radius_mm))
+                let span = [slot.start, slot.end];
+                ends.and_then(|ends| self.center_by_radius(line, span, ends, direction, radius_mm))
             }
             None if has_center => {
                 block.use_up(&[OFFSETS[a], OFFSETS[b]]);
@@ -68,6 +75,64 @@ impl Machine<'_> {
             self.turn(line, ends, center, direction, turns, allowed_mm);
         }
         self.at = to;
+    }
+
+    /// An arc to `to` about a point, along the axes of the plane in coordinates of the answer, mm. The sense
+    /// is that of the program. The arc makes `turns`, the last of which may be a part of one.
+    pub(crate) fn arc_about(
+        &mut self,
+        line: Line<'_>,
+        to: At,
+        [first, second]: [f64; 2],
+        direction: Direction,
+        turns: usize,
+    ) {
+        let [a, b, _] = self.plane.axes();
+        let direction = self.sense_placed(line, direction);
+        if let (Some(direction), Some(ends)) = (direction, self.ends(line, &to)) {
+            let mut center = ends[0];
+            (center[a], center[b]) = (first, second);
+            match mismatch(&center, &ends, [a, b], self.control.radius, self.in_inches()) {
+                Ok(allowed_mm) => self.turn(line, ends, center, direction, turns, allowed_mm),
+                Err(error) => self.refuse(line.refused(Fault::Arc(error))),
+            }
+        }
+        self.at = to;
+    }
+
+    /// An arc to `to` of a radius of the program, mm; a negative one makes the longer arc. `span` is where the
+    /// radius stands in the line.
+    pub(crate) fn arc_of_radius(
+        &mut self,
+        line: Line<'_>,
+        to: At,
+        radius_mm: f64,
+        direction: Direction,
+        span: [usize; 2],
+    ) {
+        let direction = self.sense_placed(line, direction);
+        if let (Some(direction), Some(ends)) = (direction, self.ends(line, &to))
+            && let Some((ends, center, allowed_mm)) =
+                self.center_by_radius(line, span, ends, direction, radius_mm)
+        {
+            self.turn(line, ends, center, direction, 1, allowed_mm);
+        }
+        self.at = to;
+    }
+
+    /// The sense of an arc where it lies. Refuses one that a scaling makes an ellipse.
+    fn sense_placed(&mut self, line: Line<'_>, direction: Direction) -> Option<Direction> {
+        match self.placement.in_plane(self.plane) {
+            Some((_, false)) => Some(direction),
+            Some((_, true)) => Some(match direction {
+                Direction::Cw => Direction::Ccw,
+                Direction::Ccw => Direction::Cw,
+            }),
+            None => {
+                self.refuse(line.refused(Fault::Ellipse));
+                None
+            }
+        }
     }
 
     /// P of an arc; 1 without it.
@@ -91,7 +156,7 @@ impl Machine<'_> {
     fn center_by_radius(
         &mut self,
         line: Line<'_>,
-        slot: WordValue,
+        [word, word_end]: [usize; 2],
         ends: [Point3<f64>; 2],
         direction: Direction,
         radius_mm: f64,
@@ -100,15 +165,16 @@ impl Machine<'_> {
         let chord = (e - s).xy();
         let chord_mm = chord.norm();
         if chord_mm <= SAME_PLACE_MM {
-            self.refuse_word(line, slot, Fault::ClosedRadius);
+            self.refuse(line.refusal(word, word_end, Fault::ClosedRadius));
             return None;
         }
         // Rounding of the ends may put them a little farther apart than the diameter.
         let rule = self.control.radius;
         let slack_mm = if self.in_inches() { rule.mm_in_inches } else { rule.mm } / 2.0;
-        let radius = radius_mm.abs();
+        let radius = radius_mm.abs() * self.placement.in_plane(self.plane).map_or(1.0, |(factor, _)| factor);
         if chord_mm / 2.0 - radius > slack_mm {
-            self.refuse_word(line, slot, Fault::SmallRadius { chord_mm, radius_mm: radius });
+            let fault = Fault::SmallRadius { chord_mm, radius_mm: radius };
+            self.refuse(line.refusal(word, word_end, fault));
             return None;
         }
         let height = (radius * radius - chord_mm * chord_mm / 4.0).max(0.0).sqrt();
@@ -129,16 +195,21 @@ impl Machine<'_> {
     ) -> Option<Given> {
         let [a, b, n] = self.plane.axes();
         let from_start = {
+            let mut offset = Vector3::zeros();
+            (offset[a], offset[b]) = (lengths[0].unwrap_or(0.0), lengths[1].unwrap_or(0.0));
+            let offset = self.placement.direction(offset);
             let mut center = ends[0];
-            center[a] += lengths[0].unwrap_or(0.0);
-            center[b] += lengths[1].unwrap_or(0.0);
+            center[a] += offset[a];
+            center[b] += offset[b];
             center
         };
         let absolute = {
-            let mut center = ends[0];
+            let mut center = [None; 3];
             for (axis, length) in [(a, lengths[0]), (b, lengths[1])] {
-                center[axis] = length.unwrap_or(0.0) + self.frames.shift(axis);
+                center[axis] = Some(Coordinate::Absolute(length.unwrap_or(0.0)));
             }
+            let center = self.placed(center).map(Option::unwrap_or_default);
+            let mut center = Point3::from(center);
             center[n] = ends[0][n];
             center
         };

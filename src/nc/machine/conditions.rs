@@ -61,12 +61,17 @@ impl Machine<'_> {
                 self.left.add("M6", line.number);
                 return;
             };
-            self.tool = Some(number);
-            self.record.change_tool(number, line.number);
-            // Another tool has another length, and machines change tools at a height of their own.
-            self.at[2] = None;
-            self.cycle = None;
+            self.put_in_tool(line, Some(number), None);
         }
+    }
+
+    /// Changes the tool, which has a number or a name.
+    pub(crate) fn put_in_tool(&mut self, line: Line<'_>, number: Option<u32>, name: Option<String>) {
+        self.tool = number;
+        self.record.change_tool(number, name, line.number);
+        // Another tool has another length, and machines change tools at a height of their own.
+        self.at[2] = None;
+        self.cycle = None;
     }
 
     pub(super) fn dwell(&mut self, line: Line<'_>, block: &mut Block) {
@@ -107,7 +112,7 @@ impl Machine<'_> {
         Some(seconds)
     }
 
-    pub(super) fn pause(&mut self, line: Line<'_>, slot: WordValue, seconds: f64) {
+    pub(crate) fn pause(&mut self, line: Line<'_>, slot: WordValue, seconds: f64) {
         let word = || String::from_utf8_lossy(&line.text[slot.start..slot.end]).into_owned();
         if self.control.dwell_is_unsure && slot.lacks_point && slot.value != 0.0 {
             self.note(Note::DwellAssumed { line: line.number, word: word(), seconds });

@@ -1,7 +1,8 @@
 //! Lengths of tools, work offsets, shifts, and the ways to places of the machine.
 
-use super::{AXES, Block, Code, Family, Fault, Line, Machine, Meaning, Note, WordValue};
+use super::{AXES, At, Block, Code, Family, Fault, Line, Machine, Meaning, Note, WordValue};
 use crate::frames::{EXTENDED, name};
+use crate::placement::Coordinate;
 
 impl Machine<'_> {
     /// G43, G44 and G49. Another length puts the tip to a height that is not known.
@@ -188,7 +189,7 @@ impl Machine<'_> {
     }
 
     /// The place that a block under G53 names.
-    pub(super) fn machine_target(&mut self, line: Line<'_>, block: &mut Block) -> super::At {
+    pub(super) fn machine_target(&mut self, line: Line<'_>, block: &mut Block) -> At {
         let lengths = self.axis_lengths(line, block);
         let mut to = self.at;
         for axis in 0..3 {
@@ -200,17 +201,37 @@ impl Machine<'_> {
     }
 
     /// The place that the axis words of a block name; the place of the tool along other axes.
-    pub(super) fn target(&mut self, line: Line<'_>, block: &mut Block) -> super::At {
+    pub(super) fn target(&mut self, line: Line<'_>, block: &mut Block) -> At {
         let lengths = self.axis_lengths(line, block);
-        let mut to = self.at;
-        for axis in 0..3 {
-            let Some(mm) = lengths[axis] else { continue };
-            to[axis] = if self.is_absolute {
-                Some(mm + self.frames.shift(axis))
-            } else {
-                self.at[axis].map(|at| at + mm)
-            };
+        let is_absolute = self.is_absolute;
+        self.placed(lengths.map(|length| {
+            length.map(|mm| if is_absolute { Coordinate::Absolute(mm) } else { Coordinate::Relative(mm) })
+        }))
+    }
+
+    /// The place that coordinates of the program name; along other axes the tool keeps its coordinates of
+    /// the program.
+    pub(crate) fn placed(&self, coordinates: [Option<Coordinate>; 3]) -> At {
+        if coordinates == [None; 3] {
+            return self.at;
         }
-        to
+        let shifts = [0, 1, 2].map(|axis| self.frames.shift(axis));
+        let is_plain = self.placement.is_plain();
+        let in_program = if is_plain {
+            self.at
+        } else {
+            self.placement.back(&[0, 1, 2].map(|k| self.at[k].map(|at| at - shifts[k])))
+        };
+        let to = [0, 1, 2].map(|k| match coordinates[k] {
+            None => in_program[k],
+            Some(Coordinate::Relative(mm)) => in_program[k].map(|at| at + mm),
+            Some(Coordinate::Absolute(mm)) if is_plain => Some(mm + shifts[k]),
+            Some(Coordinate::Absolute(mm)) => Some(mm),
+        });
+        if is_plain {
+            return to;
+        }
+        let to = self.placement.place(&to);
+        [0, 1, 2].map(|k| to[k].map(|at| at + shifts[k]))
     }
 }

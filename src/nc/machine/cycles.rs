@@ -9,6 +9,7 @@
 //! 4. Back to R or to the initial height, by feed or rapid as the cycle says.
 
 use super::{AXES, At, Block, Code, Family, Fault, Line, Machine, Note, WordValue};
+use crate::placement::Coordinate;
 
 /// Most pecks of one hole, and most holes of one block. More would be an error of the program.
 const MAX_PECKS: f64 = 100_000.0;
@@ -99,15 +100,13 @@ impl Machine<'_> {
         }
         let Some(hole) = self.hole(line, cycle, n) else { return };
         for _ in 0..repeats {
-            let mut to = self.at;
+            let mut coordinates = [None; 3];
             for (axis, place) in [a, b].into_iter().zip(places) {
-                let Some(mm) = place else { continue };
-                to[axis] = if self.is_absolute {
-                    Some(mm + self.frames.shift(axis))
-                } else {
-                    self.at[axis].map(|at| at + mm)
-                };
+                let is_absolute = self.is_absolute;
+                coordinates[axis] = place
+                    .map(|mm| if is_absolute { Coordinate::Absolute(mm) } else { Coordinate::Relative(mm) });
             }
+            let to = self.placed(coordinates);
             if self.is_full() {
                 return;
             }
@@ -145,10 +144,16 @@ impl Machine<'_> {
             self.refuse(line.refused(missing(b'Q')));
             return None;
         }
-        let shift = self.frames.shift(n);
         let (r, z) = if self.is_absolute {
-            (Some(r + shift), Some(z + shift))
+            let height = |mm: f64| {
+                let mut along = [None; 3];
+                along[n] = Some(Coordinate::Absolute(mm));
+                self.placed(along)[n]
+            };
+            (height(r), height(z))
         } else {
+            let factor = self.placement.factor(n);
+            let (r, z) = (r * factor, z * factor);
             // LinuxCNC counts R from where the tool is, the others from where the cycle began.
             let from = if self.control.is(Family::LinuxCnc) { self.at[n] } else { cycle.initial };
             let r = from.map(|from| from + r);

@@ -1,6 +1,6 @@
 //! What the axis words of a block do: rapids, cuts, and the codes that take axis words as data.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use toolpathd_core::geometry::curve::{Curve, Line as Segment, Parabola};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::units::FeedRate;
@@ -92,7 +92,7 @@ impl Machine<'_> {
     }
 
     /// A rapid to a place that may not be known.
-    pub(super) fn rapid(&mut self, line: Line<'_>, to: At) {
+    pub(crate) fn rapid(&mut self, line: Line<'_>, to: At) {
         let moves = to != self.at || to.contains(&None);
         match (Self::place(&self.at), Self::place(&to)) {
             (Ok(from), Ok(to)) => {
@@ -107,7 +107,7 @@ impl Machine<'_> {
     }
 
     /// The ends of a cut, both known. A cut with an unknown end is refused.
-    pub(super) fn ends(&mut self, line: Line<'_>, to: &At) -> Option<[Point3<f64>; 2]> {
+    pub(crate) fn ends(&mut self, line: Line<'_>, to: &At) -> Option<[Point3<f64>; 2]> {
         let fault = match (Self::place(&self.at), Self::place(to)) {
             (Ok(from), Ok(to)) => return Some([from, to]),
             (Err(axis), _) => Fault::UnknownStart(axis),
@@ -118,7 +118,7 @@ impl Machine<'_> {
     }
 
     /// A straight cut.
-    pub(super) fn line(&mut self, line: Line<'_>, to: At) {
+    pub(crate) fn line(&mut self, line: Line<'_>, to: At) {
         if let Some([start, end]) = self.ends(line, &to) {
             let length = (end - start).norm();
             if length < NO_WAY_MM {
@@ -133,7 +133,7 @@ impl Machine<'_> {
     }
 
     /// Records a cut at a rate.
-    pub(super) fn cut(&mut self, line: Line<'_>, curve: Curve, rate: FeedRate) {
+    pub(crate) fn cut(&mut self, line: Line<'_>, curve: Curve, rate: FeedRate) {
         let speed = self.speed.filter(|_| self.is_turning);
         if let Err(error) = self.record.feed(curve, rate, speed, line.number) {
             self.refuse_path(line, error);
@@ -141,7 +141,7 @@ impl Machine<'_> {
     }
 
     /// The feed of a move of this length; `None` where there is none, which is refused.
-    pub(super) fn rate(&mut self, line: Line<'_>, length_mm: f64) -> Option<FeedRate> {
+    pub(crate) fn rate(&mut self, line: Line<'_>, length_mm: f64) -> Option<FeedRate> {
         let fault = match (self.feed_mode, self.feed) {
             (FeedMode::InverseTime, None) => Fault::NoInverseTime,
             (_, None | Some(0.0)) => Fault::NoFeed,
@@ -178,7 +178,7 @@ impl Machine<'_> {
         let [i, j] = offsets.map(|slot| slot.map_or(0.0, |slot| self.length_mm(line, slot)));
         let to = self.target(line, block);
         if let Some([start, end]) = self.ends(line, &to) {
-            let control = Point3::new(start.x + i, start.y + j, start.z);
+            let control = start + self.placement.direction(Vector3::new(i, j, 0.0));
             match Parabola::new(start, control, end) {
                 Ok(parabola) => {
                     let curve = Curve::Parabola(parabola);

@@ -5,6 +5,7 @@ use toolpathd_core::geometry::plane::Plane;
 
 use super::control::{Control, Family};
 use super::frames::EXTENDED;
+use super::machine::Side;
 
 /// The motion in force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +56,18 @@ pub enum Meaning {
     FeedMode(FeedMode),
     /// Whether a cycle returns to its initial height.
     Return(bool),
-    Compensation,
+    /// Cutter compensation begins on this side.
+    Compensation(Side),
+    CompensationEnd,
+    /// The coordinates turn in the plane.
+    Turn,
+    TurnEnd,
+    Scale,
+    ScaleEnd,
+    /// Axes are mirrored from here on, or no longer.
+    Mirror(bool),
+    Polar,
+    PolarEnd,
     Call,
     /// Known to the control, and without influence on the path.
     LeftAlone,
@@ -99,15 +111,26 @@ pub fn meaning(tenths: i32, control: &Control) -> Meaning {
         50 | 51 | 80 if fanuc => Meaning::LeftAlone,
         100 => Meaning::SetData,
         150 if named("okuma") => Meaning::OffsetByH,
-        110 | 131 | 130 | 150 | 500 | 501 | 690 | 670 | 401 | 230 => Meaning::Nothing,
+        680 if fanuc || is(Family::Mach) => Meaning::Turn,
+        690 => Meaning::TurnEnd,
+        510 if fanuc => Meaning::Scale,
+        500 => Meaning::ScaleEnd,
+        511 if fanuc && !named("haas") => Meaning::Mirror(true),
+        1010 if named("haas") => Meaning::Mirror(true),
+        1000 if named("haas") => Meaning::Mirror(false),
+        501 => Meaning::Mirror(false),
+        160 if fanuc => Meaning::Polar,
+        150 => Meaning::PolarEnd,
+        110 | 131 | 130 | 670 | 401 | 230 => Meaning::Nothing,
         170 => Meaning::Plane(Plane::Xy),
         180 => Meaning::Plane(Plane::Zx),
         190 => Meaning::Plane(Plane::Yz),
         200 | 210 => Meaning::Units(tenths == 200),
         280 | 300 => Meaning::Home,
         281 | 301 => Meaning::LeftAlone,
-        400 => Meaning::Nothing,
-        410 | 411 | 420 | 421 => Meaning::Compensation,
+        400 => Meaning::CompensationEnd,
+        410 | 411 => Meaning::Compensation(Side::Left),
+        420 | 421 => Meaning::Compensation(Side::Right),
         430 | 440 | 431 | 432 => Meaning::Length(true),
         540 | 550 | 560..=569 if named("okuma") && tenths != 560 => Meaning::Unknown,
         560 if named("okuma") => Meaning::Length(true),
@@ -163,7 +186,11 @@ pub fn group(meaning: Meaning, control: &Control) -> Option<u8> {
         Meaning::WorkOffset(_) | Meaning::ExtendedOffset => Some(7),
         Meaning::Length(_) => Some(8),
         Meaning::Return(_) => Some(9),
-        Meaning::Compensation => Some(10),
+        Meaning::Turn | Meaning::TurnEnd => Some(11),
+        Meaning::Scale | Meaning::ScaleEnd => Some(12),
+        Meaning::Mirror(_) => Some(13),
+        Meaning::Polar | Meaning::PolarEnd => Some(14),
+        Meaning::Compensation(_) | Meaning::CompensationEnd => Some(10),
         Meaning::Dwell
         | Meaning::SetData
         | Meaning::Home
@@ -246,7 +273,8 @@ mod tests {
         assert_eq!((of(1110, "haas"), of(1110, "fanuc")), (Meaning::WorkOffset(102), Meaning::Unknown));
         assert_eq!((of(760, "linuxcnc"), of(760, "fanuc")), (Meaning::NotRead, Meaning::Cycle(76)));
         assert_eq!((of(560, "okuma"), of(560, "mazak")), (Meaning::Length(true), Meaning::WorkOffset(3)));
-        assert_eq!(of(680, "haas"), Meaning::NotRead);
+        assert_eq!((of(680, "haas"), of(682, "haas")), (Meaning::Turn, Meaning::NotRead));
+        assert_eq!((of(1010, "haas"), of(511, "fanuc")), (Meaning::Mirror(true), Meaning::Mirror(true)));
         assert_eq!(function(60, Control::named("grbl").unwrap()), Function::Unknown);
         assert_eq!(function(1230, Control::named("fanuc").unwrap()), Function::LeftAlone);
     }

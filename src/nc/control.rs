@@ -81,6 +81,8 @@ pub struct Control {
     pub centers: Centers,
     pub radius: RadiusRule,
     pub language: Language,
+    /// Whether a factor of G51 without a point counts thousandths.
+    pub scales_by_thousandths: bool,
     /// How far above the last peck G83 and G73 stop their rapid, mm.
     pub peck_clearance_mm: f64,
     /// Whether a program needs M2, M30 or percent signs.
@@ -116,6 +118,7 @@ const FANUC: Control = Control {
     centers: Centers::Start,
     radius: FANUC_RADIUS,
     language: Language::Fanuc,
+    scales_by_thousandths: true,
     peck_clearance_mm: 1.0,
     needs_end: false,
     is_strict: false,
@@ -145,7 +148,13 @@ const LINUXCNC: Control = Control {
 pub const CONTROLS: [Control; 8] = [
     LINUXCNC,
     FANUC,
-    Control { name: "haas", dwell: DwellTime::ByPoint, dwell_letters: b"P", ..FANUC },
+    Control {
+        name: "haas",
+        dwell: DwellTime::ByPoint,
+        dwell_letters: b"P",
+        scales_by_thousandths: false,
+        ..FANUC
+    },
     Control { name: "mazak", ..FANUC },
     Control {
         name: "okuma",

@@ -58,6 +58,18 @@ pub enum Fault {
     ClosedRadius,
     #[error("the number {0} is out of range here")]
     OutOfRange(f64),
+    #[error("the cutter does not fit between this block and a neighbour, or into this arc")]
+    CutterTooLarge,
+    #[error("the radius of the cutter is not given")]
+    UnknownRadius,
+    #[error("the centre and the radius have to be absolute: write G90")]
+    IncrementalCenter,
+    #[error("cutter compensation has to begin with a straight move")]
+    CompensationByArc,
+    #[error("the first move after cutter compensation has to be straight")]
+    ArcAfterCompensation,
+    #[error("cutter compensation is in force: end it first with G40")]
+    InCompensation,
     #[error("cutter compensation changes the path by the tool of the machine")]
     Compensation,
     #[error("Z of the cycle lies above its R")]

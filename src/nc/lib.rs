@@ -40,7 +40,7 @@ use toolpathd_core::toolpath::Toolpath;
 
 use control::{Control, Family, WithoutPoint};
 use fault::Refusal;
-use machine::{At, Machine, Setting};
+use machine::{At, Correction, Machine, Setting};
 use notes::{LeftWord, Note};
 use record::{FeedUse, ToolUse};
 
@@ -59,8 +59,7 @@ pub struct ReadJob<'a> {
     pub offsets: &'a [(u32, [f64; 3])],
     /// Blocks behind a slash do not run.
     pub skips_optional: bool,
-    /// G41 and G42 are for wear: the program's path is that of the cutter's centre.
-    pub compensation_is_wear: bool,
+    pub correction: Correction<'a>,
     pub most_moves: usize,
 }
 
@@ -75,7 +74,7 @@ impl<'a> ReadJob<'a> {
             start: [None; 3],
             offsets: &[],
             skips_optional: false,
-            compensation_is_wear: false,
+            correction: Correction::Refused,
             most_moves: usize::MAX,
         }
     }
@@ -132,7 +131,7 @@ pub fn read(job: &ReadJob<'_>, budget: &Budget) -> Result<ReadProgram, ReadError
         without_point: job.without_point.unwrap_or(job.control.without_point),
         start: job.start,
         offsets: job.offsets,
-        compensation_is_wear: job.compensation_is_wear,
+        correction: job.correction,
         most_moves: job.most_moves,
     };
     let mut machine = Machine::new(&setting);
@@ -141,7 +140,7 @@ pub fn read(job: &ReadJob<'_>, budget: &Budget) -> Result<ReadProgram, ReadError
         Family::Klartext => klartext::run(&mut machine, job.text, job.skips_optional, budget)?,
         _ => flow::run(&mut machine, job.text, job.skips_optional, budget)?,
     };
-    machine.finish_notes();
+    machine.finish();
     let Machine { record, refusals, left, notes, at, frames, .. } = machine;
     if !refusals.is_empty() {
         return Err(ReadError::Refused(refusals));

@@ -8,12 +8,16 @@
 mod arcs;
 mod calls;
 mod checks;
+mod compensation;
 mod conditions;
+mod contour;
 mod coordinates;
+mod correction;
 mod cycles;
 mod motion;
+mod placing;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::path::PathError;
 
@@ -25,7 +29,11 @@ use super::frames::Frames;
 use super::notes::{LeftAlone, Note};
 use super::placement::Placement;
 use super::record::Record;
+use compensation::Compensation;
+pub use compensation::Side;
+pub(crate) use correction::Radius;
 use cycles::Cycle;
+use placing::Placing;
 
 /// A place of the tool, mm; `None` along an axis where it is not known.
 pub type At = [Option<f64>; 3];
@@ -49,8 +57,26 @@ pub struct Setting<'a> {
     pub start: At,
     /// Zeros of work offsets in coordinates of the machine, mm.
     pub offsets: &'a [(u32, [f64; 3])],
-    pub compensation_is_wear: bool,
+    pub correction: Correction<'a>,
     pub most_moves: usize,
+}
+
+/// What G41 and G42 mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Correction<'a> {
+    Refused,
+    /// They correct wear: the program's path is that of the cutter's centre.
+    Wear,
+    /// The path of the centre is computed with the radii of these cutters.
+    Computed(&'a [Cutter]),
+}
+
+/// The radius by which compensation moves the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cutter {
+    /// The number of the tool; `None` for every tool.
+    pub number: Option<u32>,
+    pub radius_mm: f64,
 }
 
 /// What a block asks of the flow of the program.
@@ -88,6 +114,10 @@ pub struct Machine<'a> {
     pub frames: Frames,
     /// Where coordinates of the program lie in the work offset.
     pub placement: Placement,
+    placing: Placing,
+    compensation: Option<Compensation>,
+    /// How far the tool is beside its programmed place since compensation has ended, mm.
+    displaced: Option<Vector3<f64>>,
     pub motion: Option<Motion>,
     cycle: Option<Cycle>,
     last_cycle_dwell_s: Option<f64>,
@@ -104,6 +134,8 @@ pub struct Machine<'a> {
     pub is_turning: bool,
     tool: Option<u32>,
     pub called_tool: Option<u32>,
+    /// The last D.
+    radius_number: Option<WordValue>,
     /// The number of the length offset, once a code has said so; 0 for none.
     length: Option<i64>,
     returns_high: bool,
@@ -127,6 +159,9 @@ impl<'a> Machine<'a> {
             at: setting.start,
             frames: Frames::new(setting.offsets),
             placement: Placement::plain(),
+            placing: Placing::plain(),
+            compensation: None,
+            displaced: None,
             motion: control.starts_rapid.then_some(Motion::Rapid),
             cycle: None,
             last_cycle_dwell_s: None,
@@ -140,6 +175,7 @@ impl<'a> Machine<'a> {
             is_turning: false,
             tool: None,
             called_tool: None,
+            radius_number: None,
             length: None,
             // LinuxCNC's interpreter begins as after G99.
             returns_high: !control.is(Family::LinuxCnc),
@@ -253,6 +289,7 @@ impl<'a> Machine<'a> {
         for (_, meaning) in meanings.iter().filter(|(_, meaning)| !ends(meaning)) {
             self.set_mode(*meaning);
         }
+        self.compensate(line, block, &meanings);
         self.take_feed_and_speed(line, block, &meanings);
         self.change_tool(line, block, &functions);
         for (_, function) in &functions {
@@ -262,9 +299,6 @@ impl<'a> Machine<'a> {
         }
         if meanings.iter().any(|(_, meaning)| *meaning == Meaning::Dwell) {
             self.dwell(line, block);
-        }
-        if meanings.iter().any(|(_, meaning)| *meaning == Meaning::Compensation) {
-            block.use_up(b"D");
         }
         self.select_lengths(line, block, &meanings);
         self.select_offsets(line, block, &meanings);
@@ -316,8 +350,10 @@ impl<'a> Machine<'a> {
         Ok(Point3::new(at[0].unwrap_or(0.0), at[1].unwrap_or(0.0), at[2].unwrap_or(0.0)))
     }
 
-    /// Adds the notes on what was counted over the whole program.
-    pub fn finish_notes(&mut self) {
+    /// Ends what the end of the program leaves open, and adds the notes on what was counted over the whole
+    /// program.
+    pub fn finish(&mut self) {
+        self.end_compensation();
         let (count, line) = self.points;
         if count > 0 {
             let ten_mm = if self.in_inches() { 0.0254 } else { 0.01 };

@@ -30,6 +30,12 @@ pub enum Note {
     )]
     CompensationAsWear { line: usize },
     #[error(
+        "cutter compensation from line {line} on is computed for a radius of {radius_mm} mm, the value of the offset with its D; it begins at right angles to the second block, and goes round outside corners along the tangents"
+    )]
+    CompensationComputed { line: usize, radius_mm: f64 },
+    #[error("the factor in line {line} has no point: it counts as thousandths, {factor}")]
+    ScaleAssumed { line: usize, factor: f64 },
+    #[error(
         "pecks from line {line} on come down to {mm} mm above the last peck, which a setting of the control decides"
     )]
     PeckClearance { line: usize, mm: f64 },

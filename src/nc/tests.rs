@@ -1,6 +1,8 @@
+mod compensation;
 mod cycles;
 mod flow;
 mod motion;
+mod placing;
 mod refusals;
 
 use toolpathd_core::budget::Budget;
@@ -9,6 +11,7 @@ use toolpathd_core::toolpath::units::FeedRate;
 
 use super::control::Control;
 use super::fault::{Fault, Refusal};
+use super::machine::{Correction, Cutter};
 use super::notes::Note;
 use super::{ReadError, ReadJob, ReadProgram, read};
 

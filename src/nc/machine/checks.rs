@@ -1,6 +1,6 @@
 //! Codes and words that are refused, or left alone and counted.
 
-use super::{AXES, Block, Code, Fault, Function, Line, Machine, Meaning, Next, Note, function_group, group};
+use super::{AXES, Block, Code, Fault, Function, Line, Machine, Meaning, Next, function_group, group};
 
 impl Machine<'_> {
     /// Refuses codes that are unknown, not read, or exclude each other.
@@ -10,7 +10,6 @@ impl Machine<'_> {
             match meaning {
                 Meaning::Unknown => self.refuse_code(line, *code, Fault::UnknownCode),
                 Meaning::NotRead => self.refuse_code(line, *code, Fault::NotRead),
-                Meaning::Compensation => self.begin_compensation(line, [code.start, code.end]),
                 _ => {}
             }
             let is_repeated = block.g.iter().filter(|other| other.tenths == code.tenths).count() > 1;
@@ -33,16 +32,6 @@ impl Machine<'_> {
             if let Some((code, _)) = meanings.iter().find(|(_, meaning)| takes(meaning)) {
                 self.refuse_code(line, *code, Fault::Conflict);
             }
-        }
-    }
-
-    /// Cutter compensation begins, which only programs whose path is that of the centre may do. `span` is
-    /// where its word stands in the line.
-    pub(crate) fn begin_compensation(&mut self, line: Line<'_>, [start, end]: [usize; 2]) {
-        if !self.setting.compensation_is_wear {
-            self.refuse(line.refusal(start, end, Fault::Compensation));
-        } else if !self.notes.iter().any(|note| matches!(note, Note::CompensationAsWear { .. })) {
-            self.note(Note::CompensationAsWear { line: line.number });
         }
     }
 

@@ -67,6 +67,7 @@ impl Machine<'_> {
 
     /// Changes the tool, which has a number or a name.
     pub(crate) fn put_in_tool(&mut self, line: Line<'_>, number: Option<u32>, name: Option<String>) {
+        self.displaced = None;
         self.tool = number;
         self.record.change_tool(number, name, line.number);
         // Another tool has another length, and machines change tools at a height of their own.
@@ -121,7 +122,11 @@ impl Machine<'_> {
             let minutes = seconds / 60.0;
             self.note(Note::LongDwell { line: line.number, word: word(), seconds, minutes });
         }
-        if let Err(error) = self.record.dwell(seconds, line.number) {
+        let dwelt = match self.pause_compensated(seconds, line) {
+            Ok(false) => self.record.dwell(seconds, line.number),
+            result => result.map(|_| ()),
+        };
+        if let Err(error) = dwelt {
             self.refuse_path(line, error);
         }
     }

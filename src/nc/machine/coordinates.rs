@@ -202,7 +202,16 @@ impl Machine<'_> {
 
     /// The place that the axis words of a block name; the place of the tool along other axes.
     pub(super) fn target(&mut self, line: Line<'_>, block: &mut Block) -> At {
-        let lengths = self.axis_lengths(line, block);
+        let words = AXES.map(|letter| block.take(letter));
+        self.target_of(line, words)
+    }
+
+    /// The place that axis words name.
+    pub(super) fn target_of(&mut self, line: Line<'_>, words: [Option<WordValue>; 3]) -> At {
+        if let Some(to) = self.polar_target(line, words) {
+            return to;
+        }
+        let lengths = words.map(|word| word.map(|slot| self.length_mm(line, slot)));
         let is_absolute = self.is_absolute;
         self.placed(lengths.map(|length| {
             length.map(|mm| if is_absolute { Coordinate::Absolute(mm) } else { Coordinate::Relative(mm) })

@@ -63,9 +63,12 @@ impl Machine<'_> {
     pub(super) fn drill(&mut self, line: Line<'_>, block: &mut Block) {
         let Some(mut cycle) = self.cycle else { return };
         let [a, b, n] = self.plane.axes();
+        let mut words = [None; 3];
+        for axis in [a, b] {
+            words[axis] = block.take(AXES[axis]);
+        }
         let mut length =
             |machine: &mut Self, letter: u8| block.take(letter).map(|slot| machine.length_mm(line, slot));
-        let places = [a, b].map(|axis| length(self, AXES[axis]));
         let bottom = length(self, AXES[n]);
         let plane_r = length(self, b'R');
         let peck_slot = block.take(b'Q');
@@ -100,13 +103,7 @@ impl Machine<'_> {
         }
         let Some(hole) = self.hole(line, cycle, n) else { return };
         for _ in 0..repeats {
-            let mut coordinates = [None; 3];
-            for (axis, place) in [a, b].into_iter().zip(places) {
-                let is_absolute = self.is_absolute;
-                coordinates[axis] = place
-                    .map(|mm| if is_absolute { Coordinate::Absolute(mm) } else { Coordinate::Relative(mm) });
-            }
-            let to = self.placed(coordinates);
+            let to = self.target_of(line, words);
             if self.is_full() {
                 return;
             }

@@ -14,6 +14,9 @@ const NO_WAY_MM: f64 = 1e-9;
 impl Machine<'_> {
     /// Gives the axis words of a block to the code that takes them, or to the motion in force.
     pub(super) fn move_by(&mut self, line: Line<'_>, block: &mut Block, meanings: &[(Code, Meaning)]) {
+        if self.place_coordinates(line, block, meanings) {
+            return;
+        }
         let has = |wanted: Meaning| meanings.iter().any(|(_, meaning)| *meaning == wanted);
         for (code, meaning) in meanings {
             match meaning {
@@ -95,12 +98,21 @@ impl Machine<'_> {
     pub(crate) fn rapid(&mut self, line: Line<'_>, to: At) {
         let moves = to != self.at || to.contains(&None);
         match (Self::place(&self.at), Self::place(&to)) {
+            (Ok(from), Ok(to)) if self.is_compensating() => {
+                if from != to {
+                    self.follow(Curve::Line(Segment { start: from, end: to }), None, line);
+                }
+            }
             (Ok(from), Ok(to)) => {
+                let [from, to] = self.displace(from, to);
                 if let Err(error) = self.record.rapid(from, to, line.number) {
                     self.refuse_path(line, error);
                 }
             }
-            _ if moves => self.record.n_rapids_not_counted += 1,
+            _ if moves => {
+                self.record.n_rapids_not_counted += 1;
+                self.displaced = None;
+            }
             _ => {}
         }
         self.at = to;
@@ -120,6 +132,7 @@ impl Machine<'_> {
     /// A straight cut.
     pub(crate) fn line(&mut self, line: Line<'_>, to: At) {
         if let Some([start, end]) = self.ends(line, &to) {
+            let [start, end] = self.displace(start, end);
             let length = (end - start).norm();
             if length < NO_WAY_MM {
                 self.rate(line, 0.0);
@@ -135,6 +148,12 @@ impl Machine<'_> {
     /// Records a cut at a rate.
     pub(crate) fn cut(&mut self, line: Line<'_>, curve: Curve, rate: FeedRate) {
         let speed = self.speed.filter(|_| self.is_turning);
+        if self.is_compensating() {
+            return self.follow(curve, Some((rate, speed)), line);
+        }
+        if self.displaced.is_some() && !matches!(curve, Curve::Line(_)) {
+            return self.refuse(line.refused(Fault::ArcAfterCompensation));
+        }
         if let Err(error) = self.record.feed(curve, rate, speed, line.number) {
             self.refuse_path(line, error);
         }

@@ -56,7 +56,7 @@ fn what_a_control_refuses_is_refused() {
     assert_eq!([0.003, 0.013, 0.02].map(|off| mismatch("linuxcnc", off)), [true, true, false]);
     assert_eq!([0.009, 0.02].map(|off| mismatch("fanuc", off)), [true, false]);
     assert_eq!(faults("linuxcnc", "G21 G0 X1 Y1 Z1\n")[0].2, Fault::NoEnd);
-    assert_eq!(faults("fanuc", "G21\nG68 X0. Y0. R30.\nM30\n")[0].2, Fault::NotRead);
+    assert_eq!(faults("fanuc", "G21\nG68.2 X0. Y0. I30.\nM30\n")[0].2, Fault::NotRead);
     for word in ["M6 T1", "G43 H1", "G81 Z-1 R1", "G3 I-4.5 F100"] {
         assert!(!faults("grbl", &framed(word)).is_empty(), "{word}");
     }
@@ -85,6 +85,6 @@ fn centres_of_mach_are_those_that_fit() {
 #[test]
 fn wear_compensation_is_the_centre_where_the_caller_says_so() {
     let text = "G21 G90\nG0 X0 Y0 Z0\nG41 D1 G1 X10 F100\nG40 X20\nM2\n";
-    let wear = ReadJob { compensation_is_wear: true, ..job("linuxcnc", text) };
+    let wear = ReadJob { correction: Correction::Wear, ..job("linuxcnc", text) };
     assert!(reading(&wear).notes.contains(&Note::CompensationAsWear { line: 3 }));
 }

@@ -10,6 +10,9 @@ use std::time::{Duration, Instant};
 /// Longest time for one program.
 const PATIENCE: Duration = Duration::from_secs(30);
 
+/// Radius of every cutter of the table, which is in inches, mm.
+pub const CUTTER_RADIUS_MM: f64 = 0.05 * 25.4;
+
 /// The sums of a program.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Figures {

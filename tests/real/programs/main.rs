@@ -3,6 +3,7 @@
 //! * Random programs of lines, arcs in three planes, helices, turns, cycles, pauses, variables and loops, in mm
 //!   and inches. Lengths of cuts and of rapids, pauses and the end agree within the four decimals that the
 //!   interpreter prints.
+//! * Random contours with cutter compensation to the left and to the right.
 //! * The same programs with one change each: a word left out, doubled, or of another value. What the
 //!   interpreter refuses is refused here.
 //! * Programs in the directories given as arguments: read to the same figures, or refused.
@@ -18,6 +19,7 @@ use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::measure::measure;
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_nc::control::Control;
+use toolpathd_nc::machine::{Correction, Cutter};
 use toolpathd_nc::{ReadError, ReadJob, read};
 
 use canon::Figures;
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
         let text = random::program(seed);
         tally.compare(text.as_bytes(), &directory);
         tally.compare(random::changed(&text, seed).as_bytes(), &directory);
+        tally.compare(random::compensated(seed).as_bytes(), &directory);
     }
     let Tally { agree, both_refuse, only_here, wrong } = &tally;
     println!("{agree} programs agree, {both_refuse} are refused by both, {only_here} are refused here alone");
@@ -101,7 +104,10 @@ impl Tally {
 /// The figures of this package's reader, which starts where the interpreter does.
 fn figures(text: &[u8]) -> Result<Figures, String> {
     let control = Control::named("linuxcnc").expect("a control");
-    let job = ReadJob { start: [Some(0.0); 3], most_moves: 1_000_000, ..ReadJob::plain(text, control) };
+    let cutters = [Cutter { number: None, radius_mm: canon::CUTTER_RADIUS_MM }];
+    let correction = Correction::Computed(&cutters);
+    let plain = ReadJob::plain(text, control);
+    let job = ReadJob { start: [Some(0.0); 3], most_moves: 1_000_000, correction, ..plain };
     match read(&job, &Budget::unlimited()) {
         Ok(reading) => {
             let measures = measure(&reading.toolpath, FeedRate::DEFAULT_RAPID);

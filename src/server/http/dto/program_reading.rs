@@ -20,6 +20,7 @@ use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_nc::ReadJob;
 use toolpathd_nc::control::{self, Control};
 use toolpathd_nc::frames::EXTENDED;
+use toolpathd_nc::machine::{Correction, Cutter};
 
 /// Most work offsets of a request.
 const MAX_OFFSETS: usize = 100;
@@ -53,9 +54,13 @@ pub struct ReadRequest {
     /// Whether blocks behind a slash are left out. Default: they run.
     pub(super) block_delete: Option<bool>,
     /// What G41 and G42 mean. `wear`: the program's path is that of the cutter's centre, because the control
-    /// corrects wear alone. Default: `refuse`.
+    /// corrects wear alone. `compute`: the program's path is the contour; the path of the centre is computed
+    /// for a cutter of `cutter_radius_mm`. Default: `refuse`.
     #[schema(default = "refuse")]
     pub(super) compensation: Option<Compensation>,
+    /// Radius of the cutter for `compensation: compute`, in mm.
+    #[schema(minimum = 0.001, maximum = 1_000_000)]
+    pub(super) cutter_radius_mm: Option<f64>,
     /// Speed of rapids, in mm/min.
     #[schema(minimum = 0.001, maximum = 1_000_000, default = 10_000)]
     pub(super) rapid_feed_mm_per_min: Option<f64>,
@@ -91,6 +96,7 @@ pub enum WithoutPoint {
 pub enum Compensation {
     Refuse,
     Wear,
+    Compute,
 }
 
 /// What the text of a program does not say: the query of a body that is NC text. With a body of JSON a
@@ -118,6 +124,9 @@ pub struct ReadQuery {
     /// What G41 and G42 mean. Default: `refuse`.
     #[param(inline)]
     compensation: Option<Compensation>,
+    /// Radius of the cutter for `compensation=compute`, in mm.
+    #[param(minimum = 0.001, maximum = 1_000_000)]
+    cutter_radius_mm: Option<f64>,
     /// Speed of rapids, in mm/min. Default: 10000.
     #[param(minimum = 0.001, maximum = 1_000_000)]
     rapid_feed_mm_per_min: Option<f64>,
@@ -131,6 +140,7 @@ impl FromQuery for ReadQuery {
         "start",
         "block_delete",
         "compensation",
+        "cutter_radius_mm",
         "rapid_feed_mm_per_min",
     ];
 
@@ -145,6 +155,10 @@ impl FromQuery for ReadQuery {
         if let Some(rapid) = rapid.filter(|rapid| !Range::POSITIVE.holds(*rapid)) {
             return Err(format!("`rapid_feed_mm_per_min` is {rapid}; send 0.001 to 1000000 mm/min"));
         }
+        let radius = sent.number("cutter_radius_mm")?;
+        if let Some(radius) = radius.filter(|radius| !Range::POSITIVE.holds(*radius)) {
+            return Err(format!("`cutter_radius_mm` is {radius}; send 0.001 to 1000000 mm"));
+        }
         Ok(Self {
             dialect,
             units: sent.name("units")?,
@@ -152,6 +166,7 @@ impl FromQuery for ReadQuery {
             start,
             block_delete: sent.flag("block_delete")?,
             compensation: sent.name("compensation")?,
+            cutter_radius_mm: radius,
             rapid_feed_mm_per_min: rapid,
         })
     }
@@ -186,6 +201,8 @@ pub struct ProgramReading {
     control: Option<&'static Control>,
     settings: ReadQuery,
     offsets: Vec<(u32, [f64; 3])>,
+    /// The cutters for `compensation: compute`.
+    cutters: Vec<Cutter>,
     most_moves: usize,
     pub meta: Option<Meta>,
 }
@@ -199,6 +216,7 @@ impl ProgramReading {
             control: None,
             settings: query,
             offsets: Vec::new(),
+            cutters: Vec::new(),
             most_moves: limits.moves,
             meta: None,
         }
@@ -214,8 +232,17 @@ impl ProgramReading {
             start: own.start.or(query.start),
             block_delete: own.block_delete.or(query.block_delete),
             compensation: own.compensation.or(query.compensation),
+            cutter_radius_mm: own.cutter_radius_mm.or(query.cutter_radius_mm),
             rapid_feed_mm_per_min: own.rapid_feed_mm_per_min.or(query.rapid_feed_mm_per_min),
         };
+        self.cutters
+            .extend(self.settings.cutter_radius_mm.map(|radius_mm| Cutter { number: None, radius_mm }));
+        self
+    }
+
+    /// The same job, with cutters for `compensation: compute`.
+    pub fn with_cutters(mut self, cutters: Vec<Cutter>) -> Self {
+        self.cutters = cutters;
         self
     }
 
@@ -244,7 +271,11 @@ impl ProgramReading {
             start: settings.start.map_or([None; 3], |start| start.map(Some)),
             offsets: &self.offsets,
             skips_optional: settings.block_delete.unwrap_or(false),
-            compensation_is_wear: settings.compensation == Some(Compensation::Wear),
+            correction: match settings.compensation {
+                None | Some(Compensation::Refuse) => Correction::Refused,
+                Some(Compensation::Wear) => Correction::Wear,
+                Some(Compensation::Compute) => Correction::Computed(&self.cutters),
+            },
             most_moves: self.most_moves,
         }
     }
@@ -268,6 +299,7 @@ impl IntoJob for ReadRequest {
             offsets,
             block_delete,
             compensation,
+            cutter_radius_mm,
             rapid_feed_mm_per_min,
             meta,
         } = self;
@@ -285,6 +317,8 @@ impl IntoJob for ReadRequest {
         }
         let at = root.field("rapid_feed_mm_per_min");
         violations.optional(&at, rapid_feed_mm_per_min, Range::POSITIVE, "mm/min");
+        let at = root.field("cutter_radius_mm");
+        violations.optional(&at, cutter_radius_mm, Range::POSITIVE, "mm");
         let offsets = zeros(offsets, &root.field("offsets"), &mut violations);
         meta::check(meta.as_ref(), &mut violations);
         violations.result()?;
@@ -295,6 +329,7 @@ impl IntoJob for ReadRequest {
             start: start.map(|point| point.0),
             block_delete,
             compensation,
+            cutter_radius_mm,
             rapid_feed_mm_per_min,
         };
         let text = nc.into_bytes();
@@ -304,6 +339,7 @@ impl IntoJob for ReadRequest {
             control,
             settings,
             offsets,
+            cutters: Vec::new(),
             most_moves: limits.moves,
             meta,
         })

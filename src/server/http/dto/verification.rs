@@ -73,7 +73,7 @@ pub struct VerifyRequest {
     offsets: Option<Vec<WorkZero>>,
     /// Whether blocks of `nc` behind a slash are left out. Default: they run.
     block_delete: Option<bool>,
-    /// What G41 and G42 of `nc` mean. Default: `refuse`.
+    /// What G41 and G42 of `nc` mean. `compute` takes the radii of the tools. Default: `refuse`.
     compensation: Option<Compensation>,
     /// The tool. Either `tool` or `tools` is required.
     #[serde(default, deserialize_with = "object::optional")]
@@ -251,6 +251,7 @@ impl IntoJob for VerifyRequest {
                     offsets: offsets.unwrap_or_default(),
                     block_delete,
                     compensation,
+                    cutter_radius_mm: None,
                     rapid_feed_mm_per_min: None,
                     meta: None,
                 };
@@ -265,6 +266,10 @@ impl IntoJob for VerifyRequest {
         };
         let is_list = tools.is_some();
         let tools = tool::checked(tool, tools, &mut violations);
+        let path = path.map(|path| match path {
+            Path::Program(reading) => Path::Program(reading.with_cutters(tool::cutters(&tools))),
+            toolpath => toolpath,
+        });
         if tools.len() > 1 && matches!(path, Some(Path::Toolpath { .. })) {
             let detail = "a toolpath has one tool, because it calls none; send `tool`";
             violations.add(&root.field("tools"), FieldCode::Conflict, detail);

@@ -33,7 +33,7 @@ fn violation(refusal: &Refusal, at: &Pointer) -> FieldError {
 fn code(fault: &Fault) -> FieldCode {
     use Fault::*;
     match fault {
-        NotRead | OtherAxis | Compensation | AtMachine | NoPoint => FieldCode::Unsupported,
+        NotRead | OtherAxis | Compensation | UnknownRadius | AtMachine | NoPoint => FieldCode::Unsupported,
         NoWord | NoNumber | OpenComment | BadExpression | TooDeep => FieldCode::Syntax,
         NoFeed | NoInverseTime | NoSpindleSpeed => FieldCode::FeedRequired,
         Arc(_) | SmallRadius { .. } | ClosedRadius | NoCenter => FieldCode::NoArc,
@@ -45,8 +45,10 @@ fn code(fault: &Fault) -> FieldCode {
 fn advice(fault: &Fault) -> Option<&'static str> {
     Some(match fault {
         Fault::Compensation => {
-            "send `compensation: wear` if the program's path is that of the cutter's centre"
+            "send `compensation: wear` if the program's path is that of the cutter's centre, or `compute`"
         }
+        Fault::UnknownRadius => "send `cutter_radius_mm`, or to verify the tool with its `number`",
+        Fault::CutterTooLarge => "send the right radius, or take a smaller cutter",
         Fault::UnknownStart(_) => "send `start`, or let the program go to a place in X, Y and Z first",
         Fault::UnknownEnd(_) => "send `offsets`",
         Fault::NoPoint => "or send `without_point: units`",
@@ -74,12 +76,16 @@ impl From<&Note> for Warning {
             Note::CompensationAsWear { .. } => {
                 (WarningCode::CompensationAsWear, "the cut differs if the control corrects the whole radius")
             }
+            Note::CompensationComputed { .. } => {
+                (WarningCode::CompensationComputed, "check the offset, and how the control turns corners")
+            }
             Note::PeckClearance { .. } => {
                 (WarningCode::PeckClearanceAssumed, "the rapid lengths of the cycle depend on it")
             }
             Note::RunsAgain { .. } => (WarningCode::ProgramRepeats, "the times are those of one run"),
             Note::ArcsMoved { .. } => (WarningCode::ArcsMadeExact, "check their centres if that is too far"),
             Note::CentersAssumed { .. } => (WarningCode::CentersAssumed, "write G91.1 or G90.1"),
+            Note::ScaleAssumed { .. } => (WarningCode::PointsMissing, "write the factor with a point"),
             Note::Tapping { .. } => (WarningCode::TappingAssumed, "check the feed and the speed"),
         };
         Self { code, detail: format!("{fact}; {advice}") }

@@ -6,6 +6,7 @@ use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::region::{OutlineError, RegionError};
 use toolpathd_core::machining::stock::ShapeError;
 use toolpathd_core::operations::verification::{Error, Owner};
+use toolpathd_nc::record::ToolUse;
 
 impl From<Error> for ApiError {
     fn from(error: Error) -> Self {
@@ -50,15 +51,17 @@ fn outlines(owner: Owner) -> Pointer {
 }
 
 /// The failure of a program that calls a tool of which the request tells nothing.
-pub fn tool_not_told(number: Option<u32>, line: usize, is_list: bool) -> ApiError {
-    let called = match number {
-        Some(number) => format!("line {line} calls tool {number}"),
-        None => "the program moves before its first tool change".to_owned(),
+pub fn tool_not_told(called: &ToolUse, is_list: bool) -> ApiError {
+    let (line, is_called) = (called.line, called.number.is_some() || called.name.is_some());
+    let called = match (called.number, &called.name) {
+        (Some(number), _) => format!("line {line} calls tool {number}"),
+        (None, Some(name)) => format!("line {line} calls tool `{name}`"),
+        (None, None) => "the program moves before its first tool change".to_owned(),
     };
-    let (at, advice) = match (is_list, number) {
-        (true, Some(_)) => ("/tools", "add it to `tools`"),
-        (true, None) => ("/tools", "send the one `tool`, or a program that calls its tools"),
-        (false, _) => ("/tool", "send all `tools` with their numbers"),
+    let (at, advice) = match (is_list, is_called) {
+        (true, true) => ("/tools", "add it to `tools`"),
+        (true, false) => ("/tools", "send the one `tool`, or a program that calls its tools"),
+        (false, _) => ("/tool", "send all `tools`, each with its number or name"),
     };
     violation(
         &member(at),

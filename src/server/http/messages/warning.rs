@@ -87,6 +87,8 @@ pub enum WarningCode {
     UnrelatedOffsets,
     /// The path under G41 and G42 counts as that of the cutter's centre.
     CompensationAsWear,
+    /// The path under G41 and G42 is computed from the radius of the cutter.
+    CompensationComputed,
     /// How far above the last peck a drill stops its rapid is assumed.
     PeckClearanceAssumed,
     /// The program runs again and again; one run is read.

@@ -207,16 +207,20 @@ fn tooled(path: Path, tools: &[NumberedTool], is_list: bool, budget: &Budget) ->
         toolpathd_nc::read(&reading.read_job(control), budget).map_err(|error| not_read(error, &at))?;
     let toolpath = std::mem::replace(&mut program.toolpath, Toolpath::empty());
     let mut tool_of_pass = vec![0; toolpath.passes().len()];
-    let first = program.tools.iter().find(|used| used.n_passes > 0).and_then(|used| used.number);
+    let first = program.tools.iter().find(|used| used.n_passes > 0);
+    let first = first.map(|used| (used.number, used.name.as_deref()));
     for used in program.tools.iter().filter(|used| used.n_passes > 0) {
+        let is_first = Some((used.number, used.name.as_deref())) == first;
         let is_called = |tool: &NumberedTool| match (tool.number, used.number) {
             (Some(own), Some(called)) => own == called,
             // One tool without a number, or before any tool change, is the tool of the whole program.
-            (None, _) => used.number == first,
-            (Some(_), None) => tools.len() == 1 && used.number == first,
+            _ => match (&tool.name, &used.name) {
+                (Some(own), Some(called)) => own.eq_ignore_ascii_case(called),
+                _ => tools.len() == 1 && is_first,
+            },
         };
         let Some(own) = tools.iter().position(is_called) else {
-            return Err(tool_not_told(used.number, used.line, is_list));
+            return Err(tool_not_told(used, is_list));
         };
         tool_of_pass[used.first_pass..used.first_pass + used.n_passes].fill(own);
     }

@@ -47,6 +47,9 @@ struct ToolReport {
     /// Number of the tool. `null` before the first tool change.
     #[schema(required)]
     number: Option<u32>,
+    /// Name by which the program calls the tool; absent where it calls a number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
     /// Number of the line of the tool change, counted from 1; 1 before the first tool change.
     line: usize,
     /// Number of the tool's first pass in `toolpath`, counted from 0.
@@ -114,6 +117,7 @@ impl From<&ToolUse> for ToolReport {
     fn from(tool: &ToolUse) -> Self {
         Self {
             number: tool.number,
+            name: tool.name.clone(),
             line: tool.line,
             first_pass: tool.first_pass,
             n_passes: tool.n_passes,

@@ -11,6 +11,7 @@ use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
 use toolpathd_core::machining::assembly::{Assembly, Frustum};
 use toolpathd_core::operations::verification as core;
+use toolpathd_nc::machine::Cutter;
 
 /// The most tools.
 pub const MOST: usize = 200;
@@ -35,9 +36,12 @@ pub struct VerifiedTool {
     /// `bull_nose`, refused for other shapes.
     #[schema(minimum = 0.001, maximum = 500_000)]
     corner_radius_mm: Option<f64>,
-    /// Number by which the program calls the tool. Required where `tools` has several.
+    /// Number by which the program calls the tool. Where `tools` has several, each needs `number` or `name`.
     #[schema(minimum = 1, maximum = 99_999)]
     number: Option<u32>,
+    /// Name by which the program calls the tool, in letters of any case.
+    #[schema(max_length = 100)]
+    name: Option<String>,
     /// Number of the tool's length offset (H). It changes nothing of the answer.
     #[schema(minimum = 1, maximum = 99_999)]
     length_offset: Option<u32>,
@@ -77,6 +81,7 @@ pub struct HolderSection {
 #[derive(Debug)]
 pub struct NumberedTool {
     pub number: Option<u32>,
+    pub name: Option<String>,
     pub has_holder: bool,
     pub tool: core::Tool,
 }
@@ -88,6 +93,7 @@ impl VerifiedTool {
             diameter_mm,
             corner_radius_mm,
             number,
+            name,
             length_offset,
             flute_length_mm,
             stickout_mm,
@@ -127,6 +133,7 @@ impl VerifiedTool {
         }
         NumberedTool {
             number,
+            name,
             has_holder,
             tool: core::Tool { assembly: Assembly { cutter, sections }, flute_length_mm },
         }
@@ -161,8 +168,9 @@ pub fn checked(
         let own = at.index(k);
         let tool = tool.convert(&own, violations);
         match tool.number {
-            None if !is_one => {
-                let detail = "each of several tools needs the `number` by which the program calls it";
+            None if !is_one && tool.name.is_none() => {
+                let detail =
+                    "each of several tools needs the `number` or the `name` by which the program calls it";
                 violations.add(&own.field("number"), FieldCode::MissingField, detail);
             }
             Some(number) if converted.iter().any(|other| other.number == Some(number)) => {
@@ -174,4 +182,15 @@ pub fn checked(
         converted.push(tool);
     }
     converted
+}
+
+/// The cutters by which cutter compensation is computed. A single tool is that of the whole program.
+pub fn cutters(tools: &[NumberedTool]) -> Vec<Cutter> {
+    let is_one = tools.len() == 1;
+    let named = tools.iter().filter(|tool| is_one || tool.number.is_some());
+    let cutter = |tool: &NumberedTool| Cutter {
+        number: tool.number.filter(|_| !is_one),
+        radius_mm: tool.tool.assembly.cutter.radius(),
+    };
+    named.map(cutter).collect()
 }

@@ -1,0 +1,410 @@
+//! Cutter compensation in the plane: the path of the centre beside the contour that a program states.
+//!
+//! # Method
+//! 1. Each block waits until the next block in the plane is known. Blocks along the normal and pauses wait
+//!    with it; they run where the two meet.
+//! 2. At an inside corner the tool turns at the crossing of the two offset curves that is nearest to the
+//!    corner. At an outside corner it goes round: by an arc about the corner, or along the prolonged
+//!    tangents, as the control does.
+//! 3. The first block leads from where the tool is to the offset start of the next block, or, on LinuxCNC, to
+//!    the offset end of its own. The last block ends at right angles to its own end.
+//!
+//! # Guarantees
+//! * The centre of the path is never nearer to a corner than the radius.
+//! * A cutter that does not fit between two neighbouring blocks, or into an arc, is refused, as controls do.
+//!   Blocks that are no neighbours are not looked at.
+
+use nalgebra::{Point3, Vector2, Vector3};
+use toolpathd_core::geometry::curve::{Arc, Curve, Direction, Line as Segment};
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::path::PathError;
+use toolpathd_core::toolpath::units::FeedRate;
+
+use super::contour::{Contour, crossing, normal};
+use super::{Family, Fault, Line, Machine, Note};
+use crate::fault::Refusal;
+use crate::record::Record;
+
+/// Blocks along the normal and pauses between two blocks in the plane.
+const MAX_BETWEEN: usize = 1000;
+
+/// Sine of the angle between two blocks that count as tangent. The crossing of curves that are nearer to
+/// tangent is lost in rounding.
+const TANGENT: f64 = 1e-6;
+
+/// Places that are nearer count as one, mm: intersections of offset curves come with rounding.
+const SAME_PLACE_MM: f64 = 1e-7;
+
+/// The side of the contour on which the tool goes, seen along its way and against the normal of the plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    Left,
+    Right,
+}
+
+impl Side {
+    fn other(self) -> Self {
+        match self {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        }
+    }
+}
+
+/// Compensation in force.
+#[derive(Debug, Clone)]
+pub struct Compensation {
+    side: Side,
+    radius_mm: f64,
+    plane: Plane,
+    /// Where the tool really is.
+    tip: Point3<f64>,
+    waiting: Option<Waiting>,
+}
+
+/// A block that waits for the next.
+#[derive(Debug, Clone)]
+struct Waiting {
+    step: Step,
+    is_entry: bool,
+    between: Vec<Between>,
+}
+
+/// A move of the contour.
+#[derive(Debug, Clone)]
+struct Step {
+    curve: Curve,
+    pace: Pace,
+    line: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Pace {
+    Rapid,
+    Feed(FeedRate, Option<f64>),
+}
+
+/// What runs between two blocks in the plane.
+#[derive(Debug, Clone)]
+enum Between {
+    Along(Step),
+    Pause(f64, usize),
+}
+
+/// Why the tool cannot go on, and the line of the block.
+type Failure = (usize, Fault);
+
+impl Machine<'_> {
+    pub(crate) fn is_compensating(&self) -> bool {
+        self.compensation.is_some()
+    }
+
+    pub(super) fn compensation_plane(&self) -> Option<Plane> {
+        self.compensation.as_ref().map(|own| own.plane)
+    }
+
+    /// Whether the compensation in force is one of this side and radius.
+    pub(super) fn continues(&self, side: Side, radius_mm: f64) -> bool {
+        let side = self.side_placed(side);
+        self.compensation.as_ref().is_some_and(|own| own.side == side && own.radius_mm == radius_mm)
+    }
+
+    /// The side where the contour lies: a mirror exchanges the sides.
+    fn side_placed(&self, side: Side) -> Side {
+        match self.placement.in_plane(self.plane) {
+            Some((_, true)) => side.other(),
+            _ => side,
+        }
+    }
+
+    /// Compensation by `radius_mm` begins with the next block.
+    pub(crate) fn start_compensation(&mut self, line: Line<'_>, side: Side, radius_mm: f64) {
+        let side = self.side_placed(side);
+        let place = Self::place(&self.at);
+        let tip = match place {
+            Ok(place) => place + self.displaced.take().unwrap_or_default(),
+            Err(axis) => return self.refuse_state(line, Fault::UnknownStart(axis)),
+        };
+        self.compensation = Some(Compensation { side, radius_mm, plane: self.plane, tip, waiting: None });
+        if self.control.is(Family::Fanuc)
+            && !self.notes.iter().any(|note| matches!(note, Note::CompensationComputed { .. }))
+        {
+            self.note(Note::CompensationComputed { line: line.number, radius_mm });
+        }
+    }
+
+    /// Compensation ends: the block that waits ends at right angles to its end. The next move begins there.
+    pub(crate) fn end_compensation(&mut self) {
+        let Some(mut compensation) = self.compensation.take() else { return };
+        if let Err(failure) = compensation.finish(&mut self.record) {
+            self.refuse_failure(failure);
+        }
+        let shift = Self::place(&self.at).map_or_else(|_| Vector3::zeros(), |at| compensation.tip - at);
+        self.displaced = (shift.norm() > SAME_PLACE_MM).then_some(shift);
+    }
+
+    /// The ends of a straight move after compensation: it begins beside the contour. On most controls a move
+    /// along the normal stays beside it.
+    pub(super) fn displace(&mut self, start: Point3<f64>, end: Point3<f64>) -> [Point3<f64>; 2] {
+        let Some(shift) = self.displaced.take() else { return [start, end] };
+        let [a, b, _] = self.plane.axes();
+        let is_along = start[a] == end[a] && start[b] == end[b];
+        if is_along && !self.control.is(Family::LinuxCnc) {
+            self.displaced = Some(shift);
+            [start + shift, end + shift]
+        } else {
+            [start + shift, end]
+        }
+    }
+
+    /// Gives a move to the compensation in force.
+    pub(super) fn follow(&mut self, curve: Curve, feed: Option<(FeedRate, Option<f64>)>, line: Line<'_>) {
+        let pace = feed.map_or(Pace::Rapid, |(rate, speed)| Pace::Feed(rate, speed));
+        let step = Step { curve, pace, line: line.number };
+        let Some(mut compensation) = self.compensation.take() else { return };
+        let corners = Corners::of(self.control.family);
+        match compensation.add(step, corners, &mut self.record) {
+            Ok(()) => self.compensation = Some(compensation),
+            // What follows would be refused for the same reason.
+            Err(failure) => self.refuse_failure(failure),
+        }
+    }
+
+    /// A pause while compensation is in force. False where there is none.
+    pub(super) fn pause_compensated(&mut self, seconds: f64, line: Line<'_>) -> Result<bool, PathError> {
+        let Some(compensation) = &mut self.compensation else { return Ok(false) };
+        match &mut compensation.waiting {
+            Some(waiting) if waiting.between.len() < MAX_BETWEEN => {
+                waiting.between.push(Between::Pause(seconds, line.number));
+                Ok(true)
+            }
+            Some(_) => Err(PathError::TooManyMoves { limit: MAX_BETWEEN }),
+            None => Ok(false),
+        }
+    }
+
+    fn refuse_failure(&mut self, (line, fault): Failure) {
+        self.refuse(Refusal { line, column: 1, word: String::new(), fault });
+    }
+}
+
+/// How a control goes round outside corners, and how it begins.
+#[derive(Debug, Clone, Copy)]
+struct Corners {
+    are_round: bool,
+    /// The first block ends beside its own end, else beside the start of the next.
+    begins_along: bool,
+    /// A rapid leads straight to the start of its own offset line.
+    rapids_cut: bool,
+}
+
+impl Corners {
+    fn of(family: Family) -> Self {
+        let is_linuxcnc = family == Family::LinuxCnc;
+        Self { are_round: family != Family::Fanuc, begins_along: is_linuxcnc, rapids_cut: is_linuxcnc }
+    }
+}
+
+impl Compensation {
+    fn add(&mut self, step: Step, corners: Corners, record: &mut Record) -> Result<(), Failure> {
+        let is_along = {
+            let [a, b, _] = self.plane.axes();
+            let (start, end) = (step.curve.start(), step.curve.end());
+            matches!(step.curve, Curve::Line(_))
+                && (end[a] - start[a]).hypot(end[b] - start[b]) <= SAME_PLACE_MM
+        };
+        match &mut self.waiting {
+            None if is_along => self.go_along(&step, record),
+            Some(waiting) if is_along => {
+                if waiting.between.len() >= MAX_BETWEEN {
+                    return Err((step.line, Fault::TooManyMoves(MAX_BETWEEN)));
+                }
+                waiting.between.push(Between::Along(step));
+                Ok(())
+            }
+            None => {
+                if !matches!(step.curve, Curve::Line(_)) {
+                    return Err((step.line, Fault::CompensationByArc));
+                }
+                self.waiting = Some(Waiting { step, is_entry: true, between: Vec::new() });
+                Ok(())
+            }
+            Some(_) => {
+                let Some(waiting) = self.waiting.take() else { return Ok(()) };
+                self.turn_corner(waiting, &step, corners, record)?;
+                self.waiting = Some(Waiting { step, is_entry: false, between: Vec::new() });
+                Ok(())
+            }
+        }
+    }
+
+    fn contour(&self, step: &Step) -> Result<Contour, Failure> {
+        Contour::new(&step.curve, self.plane, self.side == Side::Left, self.radius_mm)
+            .map_err(|fault| (step.line, fault))
+    }
+
+    /// Runs the block that waits up to its corner with the next, and goes round the corner.
+    fn turn_corner(
+        &mut self,
+        waiting: Waiting,
+        next: &Step,
+        corners: Corners,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        let (first, second) = (self.contour(&waiting.step)?, self.contour(next)?);
+        let corner = self.local(&waiting.step.curve.end());
+        let is_left = self.side == Side::Left;
+        let radius = self.radius_mm;
+        let [beside_first, beside_second] =
+            [first.leaves, second.begins].map(|way| corner + normal(way, is_left) * radius);
+        if waiting.is_entry && !corners.begins_along {
+            self.run_to(&waiting, None, beside_second, record)?;
+            return Ok(());
+        }
+        let (sine, cosine) = (first.leaves.perp(&second.begins), first.leaves.dot(&second.begins));
+        let inward = if is_left { sine } else { -sine };
+        let own = (!waiting.is_entry).then_some(&first);
+        if inward.abs() <= TANGENT && cosine > 0.0 {
+            self.run_to(&waiting, own, beside_second, record)
+        } else if inward > 0.0 {
+            let at = crossing(&first, &second, corner).ok_or((next.line, Fault::CutterTooLarge))?;
+            self.run_to(&waiting, own, at, record)
+        } else {
+            self.run_to(&waiting, own, beside_first, record)?;
+            let is_rapid = next.pace == Pace::Rapid;
+            if corners.are_round && !is_rapid {
+                return self.round(corner, beside_second, next, record);
+            }
+            let mut ways = Vec::new();
+            if is_rapid && corners.rapids_cut {
+                // The chord of the arc is nearer to the corner than the radius, as on the control.
+            } else if cosine >= 0.0 {
+                ways.push(corner + (beside_first + beside_second - 2.0 * corner) / (1.0 + cosine));
+            } else {
+                ways.push(beside_first + first.leaves * radius);
+                ways.push(beside_second - second.begins * radius);
+            }
+            ways.push(beside_second);
+            for to in ways {
+                let to = self.lifted(to);
+                let curve = Curve::Line(Segment { start: self.tip, end: to });
+                self.emit(curve, next.pace, next.line, record)?;
+            }
+            Ok(())
+        }
+    }
+
+    /// An arc about a corner to `to`, at the pace of the next block.
+    fn round(
+        &mut self,
+        corner: Vector2<f64>,
+        to: Vector2<f64>,
+        next: &Step,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        let direction = if self.side == Side::Left { Direction::Cw } else { Direction::Ccw };
+        let (center, to) = (self.lifted(corner), self.lifted(to));
+        let arc = Arc::with_center_near(self.plane, direction, self.tip, to, center);
+        let arc = arc.map_err(|error| (next.line, Fault::Arc(error)))?;
+        self.emit(Curve::Arc(arc), next.pace, next.line, record)
+    }
+
+    /// Runs a block to `end` in the plane, then what waits with it. `own` is the contour of the block, absent
+    /// for the first block, which leads straight from where the tool is.
+    fn run_to(
+        &mut self,
+        waiting: &Waiting,
+        own: Option<&Contour>,
+        end: Vector2<f64>,
+        record: &mut Record,
+    ) -> Result<(), Failure> {
+        let Waiting { step, between, .. } = waiting;
+        let [_, _, n] = self.plane.axes();
+        let mut to = self.lifted(end);
+        to[n] = step.curve.end()[n];
+        let start = self.local(&self.tip);
+        let too_large = (step.line, Fault::CutterTooLarge);
+        let curve = match (&step.curve, own) {
+            (Curve::Arc(arc), Some(own)) => {
+                let swept = own.swept(start, end).ok_or(too_large)?;
+                if swept * own.radius_mm <= SAME_PLACE_MM {
+                    Curve::Line(Segment { start: self.tip, end: to })
+                } else {
+                    let mut center = arc.center();
+                    center[n] = self.tip[n];
+                    let is_whole = (end - start).norm() <= SAME_PLACE_MM;
+                    if is_whole {
+                        let [a, b, _] = self.plane.axes();
+                        (to[a], to[b]) = (self.tip[a], self.tip[b]);
+                    }
+                    let arc = Arc::with_center_near(self.plane, arc.direction(), self.tip, to, center);
+                    Curve::Arc(arc.map_err(|error| (step.line, Fault::Arc(error)))?)
+                }
+            }
+            (_, own) => {
+                if own.is_some_and(|own| (end - start).dot(&own.begins) < -SAME_PLACE_MM) {
+                    return Err(too_large);
+                }
+                Curve::Line(Segment { start: self.tip, end: to })
+            }
+        };
+        self.emit(curve, step.pace, step.line, record)?;
+        for own in between {
+            match own {
+                Between::Along(step) => self.go_along(step, record)?,
+                Between::Pause(seconds, line) => {
+                    record.dwell(*seconds, *line).map_err(|error| (*line, fault_of(error)))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A move along the normal, where the tool is.
+    fn go_along(&mut self, step: &Step, record: &mut Record) -> Result<(), Failure> {
+        let n = self.plane.axes()[2];
+        let mut to = self.tip;
+        to[n] = step.curve.end()[n];
+        self.emit(Curve::Line(Segment { start: self.tip, end: to }), step.pace, step.line, record)
+    }
+
+    fn emit(&mut self, curve: Curve, pace: Pace, line: usize, record: &mut Record) -> Result<(), Failure> {
+        let to = curve.end();
+        match pace {
+            Pace::Rapid => record.rapid(self.tip, to, line),
+            Pace::Feed(rate, speed) => record.feed(curve, rate, speed, line),
+        }
+        .map_err(|error| (line, fault_of(error)))?;
+        self.tip = to;
+        Ok(())
+    }
+
+    /// Runs the block that waits to the place beside its end.
+    fn finish(&mut self, record: &mut Record) -> Result<(), Failure> {
+        let Some(waiting) = self.waiting.take() else { return Ok(()) };
+        let own = self.contour(&waiting.step)?;
+        let corner = self.local(&waiting.step.curve.end());
+        let beside = corner + normal(own.leaves, self.side == Side::Left) * self.radius_mm;
+        self.run_to(&waiting, (!waiting.is_entry).then_some(&own), beside, record)
+    }
+
+    fn local(&self, at: &Point3<f64>) -> Vector2<f64> {
+        self.plane.to_local(at).xy()
+    }
+
+    /// A place of the plane at the height of the tool.
+    fn lifted(&self, place: Vector2<f64>) -> Point3<f64> {
+        let [a, b, _] = self.plane.axes();
+        let mut to = self.tip;
+        (to[a], to[b]) = (place.x, place.y);
+        to
+    }
+}
+
+fn fault_of(error: PathError) -> Fault {
+    match error {
+        PathError::Arc(error) => Fault::Arc(error),
+        PathError::TooManyMoves { limit } => Fault::TooManyMoves(limit),
+        _ => Fault::NotFinite,
+    }
+}

@@ -1,0 +1,231 @@
+//! Turns, scales, mirrors and polar coordinates of a program: G68, G51, G51.1 and G16, with their ends.
+//!
+//! # Method
+//! A coordinate is mirrored first, then scaled, then turned. The centre of a turn is given in coordinates
+//! that are mirrored and scaled.
+
+use nalgebra::{Point3, Vector3};
+
+use super::{AXES, At, Block, Code, Fault, Line, Machine, Meaning, Note, OFFSETS, WithoutPoint, WordValue};
+use crate::placement::{Coordinate, Placement};
+
+/// What stands between the coordinates of a program and those of its work offset.
+#[derive(Debug, Clone, Copy)]
+pub struct Placing {
+    turn: Placement,
+    scale: Placement,
+    /// The coordinate about which each axis is mirrored, mm.
+    mirrors: [Option<f64>; 3],
+    polar: Option<Polar>,
+}
+
+/// Polar coordinates in force: the pole, and the last radius and angle.
+#[derive(Debug, Clone, Copy)]
+struct Polar {
+    /// In coordinates of the program along the axes of the plane, mm.
+    pole: [f64; 2],
+    radius_mm: f64,
+    degrees: f64,
+}
+
+impl Placing {
+    pub fn plain() -> Self {
+        Self { turn: Placement::plain(), scale: Placement::plain(), mirrors: [None; 3], polar: None }
+    }
+
+    /// Mirrors and scales alone.
+    fn without_turn(&self) -> Placement {
+        let factors = self.mirrors.map(|mirror| if mirror.is_some() { -1.0 } else { 1.0 });
+        let about = Point3::from(self.mirrors.map(Option::unwrap_or_default));
+        let mirror = Placement::scaled(about, factors).unwrap_or(Placement::plain());
+        self.scale.of(&mirror)
+    }
+}
+
+impl Machine<'_> {
+    /// Runs the code of a block that changes where coordinates lie. Whether there was one that has taken the
+    /// axis words.
+    pub(super) fn place_coordinates(
+        &mut self,
+        line: Line<'_>,
+        block: &mut Block,
+        meanings: &[(Code, Meaning)],
+    ) -> bool {
+        for (code, meaning) in meanings {
+            match meaning {
+                Meaning::Turn => self.begin_turn(line, block, *code),
+                Meaning::Scale => self.begin_scale(line, block, *code),
+                Meaning::Mirror(is_on) => self.mirror(line, block, *code, *is_on),
+                Meaning::TurnEnd => self.placing.turn = Placement::plain(),
+                Meaning::ScaleEnd => self.placing.scale = Placement::plain(),
+                Meaning::Polar => self.begin_polar(line, *code),
+                Meaning::PolarEnd => self.placing.polar = None,
+                _ => continue,
+            }
+            self.placement = self.placing.turn.of(&self.placing.without_turn());
+            if matches!(meaning, Meaning::Turn | Meaning::Scale | Meaning::Mirror(_)) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The coordinates of the program where the tool stands, mm.
+    fn place_in_program(&self) -> At {
+        self.placement.back(&[0, 1, 2].map(|k| self.at[k].map(|at| at - self.frames.shift(k))))
+    }
+
+    /// The axis words as a centre; the place of the tool along axes without a word.
+    fn center(
+        &mut self,
+        line: Line<'_>,
+        block: &mut Block,
+        code: Code,
+        axes: &[usize],
+    ) -> Option<Point3<f64>> {
+        let words = AXES.map(|letter| block.take(letter));
+        if !self.is_absolute && words.iter().any(Option::is_some) {
+            self.refuse_code(line, code, Fault::IncrementalCenter);
+            return None;
+        }
+        let stands = self.place_in_program();
+        let mut center = Point3::origin();
+        for axis in axes {
+            center[*axis] = match (words[*axis], stands[*axis]) {
+                (Some(slot), _) => self.length_mm(line, slot),
+                (None, Some(at)) => at,
+                (None, None) => {
+                    self.refuse_state(line, Fault::UnknownStart(char::from(AXES[*axis])));
+                    return None;
+                }
+            };
+        }
+        Some(center)
+    }
+
+    /// G68: X, Y and R. Without a centre the coordinates turn about the tool.
+    fn begin_turn(&mut self, line: Line<'_>, block: &mut Block, code: Code) {
+        let [a, b, n] = self.plane.axes();
+        let angle = block.take(b'R');
+        if block.has(&[AXES[n]]) || block.has(&OFFSETS) {
+            // Turns in space.
+            block.use_up(b"XYZIJK");
+            return self.refuse_code(line, code, Fault::NotRead);
+        }
+        let Some(angle) = angle else {
+            block.use_up(b"XYZ");
+            return self.refuse_code(line, code, Fault::Missing('R'));
+        };
+        if !self.is_absolute {
+            // A parameter decides whether R adds to the turn before.
+            block.use_up(b"XYZ");
+            return self.refuse_word(line, angle, Fault::AtMachine);
+        }
+        let Some(center) = self.center(line, block, code, &[a, b]) else { return };
+        let degrees = angle.value * self.degree_of(line, angle);
+        let about = self.placing.without_turn().place(&[0, 1, 2].map(|k| Some(center[k])));
+        let about = Point3::from(about.map(Option::unwrap_or_default));
+        self.placing.turn = Placement::turned(self.plane, about, degrees);
+    }
+
+    /// What the number of an angle is multiplied by: least increments are thousandths of a degree.
+    fn degree_of(&mut self, line: Line<'_>, slot: WordValue) -> f64 {
+        if self.increment(line, slot) == 1.0 { 1.0 } else { 1e-3 }
+    }
+
+    /// G51: the centre with P, or with a factor for each axis in I, J and K.
+    fn begin_scale(&mut self, line: Line<'_>, block: &mut Block, code: Code) {
+        let (common, own) = (block.take(b'P'), OFFSETS.map(|letter| block.take(letter)));
+        if common.is_none() && own == [None; 3] {
+            block.use_up(&AXES);
+            return self.refuse_code(line, code, Fault::Missing('P'));
+        }
+        let Some(center) = self.center(line, block, code, &[0, 1, 2]) else { return };
+        let factors = own.map(|slot| slot.or(common).map_or(1.0, |slot| self.scale_factor(line, slot)));
+        match Placement::scaled(center, factors) {
+            Some(scale) => self.placing.scale = scale,
+            None => self.refuse_code(line, code, Fault::OutOfRange(factors[0])),
+        }
+    }
+
+    /// A factor without a point counts thousandths where lengths count increments.
+    fn scale_factor(&mut self, line: Line<'_>, slot: WordValue) -> f64 {
+        let counts = slot.lacks_point
+            && self.control.points_matter
+            && self.control.scales_by_thousandths
+            && self.setting.without_point == WithoutPoint::Increments;
+        if !counts {
+            return slot.value;
+        }
+        let factor = slot.value * 1e-3;
+        self.note(Note::ScaleAssumed { line: line.number, factor });
+        factor
+    }
+
+    /// G51.1 and G50.1: the axes that a block names are mirrored at their coordinate, or no longer.
+    fn mirror(&mut self, line: Line<'_>, block: &mut Block, code: Code, is_on: bool) {
+        let words = AXES.map(|letter| block.take(letter));
+        if is_on && words == [None; 3] {
+            return self.refuse_code(line, code, Fault::NoAxis);
+        }
+        if is_on && !self.is_absolute {
+            return self.refuse_code(line, code, Fault::IncrementalCenter);
+        }
+        for axis in 0..3 {
+            match words[axis] {
+                Some(slot) if is_on => {
+                    let mm = self.length_mm(line, slot);
+                    self.placing.mirrors[axis] = Some(mm);
+                }
+                None if is_on => {}
+                Some(_) => self.placing.mirrors[axis] = None,
+                None if words == [None; 3] => self.placing.mirrors[axis] = None,
+                None => {}
+            }
+        }
+    }
+
+    /// G16: the zero of the program is the pole; under G91 where the tool stands.
+    fn begin_polar(&mut self, line: Line<'_>, code: Code) {
+        let [a, b, _] = self.plane.axes();
+        let mut pole = [0.0; 2];
+        if !self.is_absolute {
+            let stands = self.place_in_program();
+            let (Some(first), Some(second)) = (stands[a], stands[b]) else {
+                return self.refuse_code(line, code, Fault::UnknownStart(char::from(AXES[a])));
+            };
+            pole = [first, second];
+        }
+        self.placing.polar = Some(Polar { pole, radius_mm: 0.0, degrees: 0.0 });
+    }
+
+    /// The place that polar words name; `None` where polar coordinates are not in force.
+    pub(super) fn polar_target(&mut self, line: Line<'_>, words: [Option<WordValue>; 3]) -> Option<At> {
+        let mut polar = self.placing.polar?;
+        let [a, b, n] = self.plane.axes();
+        let (radius, angle) = (words[a], words[b]);
+        if let Some(slot) = radius {
+            polar.radius_mm = self.length_mm(line, slot);
+            if !self.is_absolute {
+                self.refuse_word(line, slot, Fault::IncrementalCenter);
+            }
+        }
+        if let Some(slot) = angle {
+            let degrees = slot.value * self.degree_of(line, slot);
+            polar.degrees = if self.is_absolute { degrees } else { polar.degrees + degrees };
+        }
+        self.placing.polar = Some(polar);
+        let mut coordinates = [None; 3];
+        if radius.is_some() || angle.is_some() {
+            let way = Vector3::new(polar.degrees.to_radians().cos(), polar.degrees.to_radians().sin(), 0.0);
+            coordinates[a] = Some(Coordinate::Absolute(polar.pole[0] + polar.radius_mm * way.x));
+            coordinates[b] = Some(Coordinate::Absolute(polar.pole[1] + polar.radius_mm * way.y));
+        }
+        let is_absolute = self.is_absolute;
+        coordinates[n] = words[n].map(|slot| {
+            let mm = self.length_mm(line, slot);
+            if is_absolute { Coordinate::Absolute(mm) } else { Coordinate::Relative(mm) }
+        });
+        Some(self.placed(coordinates))
+    }
+}

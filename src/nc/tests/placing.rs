@@ -1,0 +1,75 @@
+//! Turned, scaled, mirrored and polar coordinates against closed forms.
+
+use super::*;
+
+/// The end of a program of Haas.
+fn end(lines: &str) -> [f64; 3] {
+    of("haas", &format!("G21 G90 G94 G17\nT1 M6\nG54\n{lines}\nM30")).end.map(Option::unwrap)
+}
+
+fn bounds(lines: &str) -> [f64; 4] {
+    let bounds = measures(&of("haas", &format!("G21 G90 G94 G17\nT1 M6\nG54\n{lines}\nM30"))).bounds;
+    [bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y]
+}
+
+#[test]
+fn coordinates_turn_about_a_centre_or_about_the_tool() {
+    let start = "G0 X10. Y0. Z5.";
+    close(&end(&format!("{start}\nG68 X0. Y0. R90.\nG1 X20. Y5. F100.")), &[-5.0, 20.0, 5.0]);
+    close(&end(&format!("{start}\nG68 R90.\nG1 X20. F100.")), &[10.0, 10.0, 5.0]);
+    // A distance turns with the axes; what follows G69 does not.
+    close(&end(&format!("{start}\nG68 X0. Y0. R90.\nG91 G1 X20. F100.")), &[10.0, 20.0, 5.0]);
+    close(&end(&format!("{start}\nG68 X0. Y0. R90.\nG1 X20. Y0. F100.\nG69\nX1. Y2.")), &[1.0, 2.0, 5.0]);
+    // Without a point the angle counts thousandths of a degree.
+    close(&end(&format!("{start}\nG68 X0. Y0. R90000\nG1 X20. Y5. F100.")), &[-5.0, 20.0, 5.0]);
+    // Centres of arcs turn, too.
+    let arc = format!("{start}\nG68 X0. Y0. R90.\nG1 X10. Y0. F100.\nG3 X-10. Y0. I-10.");
+    close(&bounds(&arc), &[-10.0, -10.0, 10.0, 10.0]);
+    close(&end(&arc), &[0.0, -10.0, 5.0]);
+}
+
+#[test]
+fn scales_and_mirrors_keep_circles() {
+    let start = "G0 X10. Y0. Z5.";
+    close(&end(&format!("{start}\nG51 X0. Y0. Z0. P2.\nG1 X20. Y5. F100.")), &[40.0, 10.0, 5.0]);
+    close(
+        &end(&format!("{start}\nG51 X10. Y0. Z5. P0.5\nG3 X30. Y0. R10. F100.\nG50\nG1 X1.")),
+        &[1.0, 0.0, 5.0],
+    );
+    let mirrored = format!("{start}\nG101 X0.\nG1 X10. Y0. F100.\nG3 X-10. Y0. R10.\nG100");
+    // The arc over the top stays over the top, and runs the other way round.
+    close(&bounds(&mirrored), &[-10.0, 0.0, 10.0, 10.0]);
+    let fanuc = "G21 G90 G94 G17\nG0 X10. Y0. Z5.\nG51 X0. Y0. Z0. P2000\nG1 X20. F100.\nM30";
+    let reading = of("fanuc", fanuc);
+    close(&reading.end.map(Option::unwrap), &[40.0, 0.0, 5.0]);
+    assert!(reading.notes.iter().any(|note| matches!(note, Note::ScaleAssumed { line: 3, .. })));
+    let turned = format!("{start}\nG51 X0. Y0. Z0. P2.\nG68 X10. Y0. R90.\nG1 X20. Y0. F100.");
+    close(&end(&turned), &[20.0, 20.0, 5.0]);
+}
+
+#[test]
+fn polar_words_make_circles_of_holes() {
+    let holes = "G0 X0. Y0. Z5.\nG16\nG81 X50. Y0. Z-5. R2. F100.\nG91 Y60. L5\nG80 G15 G90\nG0 X0. Y0.";
+    let reading = of("haas", &format!("G21 G90 G94 G17\nT1 M6\nG54\n{holes}\nM30"));
+    let bounds = measures(&reading).bounds;
+    let high = 50.0 * 60.0f64.to_radians().sin();
+    close(&[bounds.min.x, bounds.max.x, bounds.min.y, bounds.max.y], &[-50.0, 50.0, -high, high]);
+    close(&end("G0 X0. Y0. Z5.\nG16\nG1 X20. Y30. F100.\nG15"), &[10.0 * 3.0f64.sqrt(), 10.0, 5.0]);
+}
+
+#[test]
+fn what_a_turn_leaves_open_is_refused() {
+    let start = "G21 G90 G94 G17\nG0 X0. Y0. Z5.\n";
+    for (line, fault) in [
+        ("G68 X0. Y0.", Fault::Missing('R')),
+        ("G91 G68 R10.", Fault::AtMachine),
+        ("G68 X0. Y0. Z0. I1. J0. K0. R10.", Fault::NotRead),
+        ("G51 X0. Y0.", Fault::Missing('P')),
+        ("G101", Fault::NoAxis),
+        ("G91 G101 X0.", Fault::IncrementalCenter),
+    ] {
+        assert_eq!(faults("haas", &format!("{start}{line}\nM30"))[0].2, fault, "{line}");
+    }
+    let arc = format!("{start}G51 X0. Y0. Z0. I2. J1. K1.\nG3 X10. R8. F100.\nM30");
+    assert_eq!(faults("haas", &arc)[0].2, Fault::Ellipse);
+}

@@ -354,6 +354,9 @@ impl<'a> Machine<'a> {
     /// program.
     pub fn finish(&mut self) {
         self.end_compensation();
+        if let Some(shift) = self.displaced {
+            self.at = [0, 1, 2].map(|k| self.at[k].map(|at| at + shift[k]));
+        }
         let (count, line) = self.points;
         if count > 0 {
             let ten_mm = if self.in_inches() { 0.0254 } else { 0.01 };

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 use std::fs::{self, File};
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
@@ -9,6 +10,9 @@ use std::time::{Duration, Instant};
 
 /// Longest time for one program.
 const PATIENCE: Duration = Duration::from_secs(30);
+
+/// The numbers of the tools of the table.
+pub const TOOLS: RangeInclusive<u32> = 1..=99;
 
 /// Radius of every cutter of the table, which is in inches, mm.
 pub const CUTTER_RADIUS_MM: f64 = 0.05 * 25.4;
@@ -48,7 +52,7 @@ impl Figures {
 /// The figures of a program, or the message of the interpreter.
 pub fn interpret(text: &[u8], directory: &Path) -> Result<Figures, String> {
     fs::write(directory.join("program.ngc"), text).map_err(|error| error.to_string())?;
-    let tools: String = (1..=99).map(|k| format!("T{k} P{k} Z0.0 D0.1\n")).collect();
+    let tools: String = TOOLS.map(|k| format!("T{k} P{k} Z0.0 D0.1\n")).collect();
     fs::write(directory.join("tool.tbl"), tools).map_err(|error| error.to_string())?;
     let open = |name: &str| File::create(directory.join(name)).map_err(|error| error.to_string());
     let mut child = Command::new("rs274")

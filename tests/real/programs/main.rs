@@ -104,7 +104,8 @@ impl Tally {
 /// The figures of this package's reader, which starts where the interpreter does.
 fn figures(text: &[u8]) -> Result<Figures, String> {
     let control = Control::named("linuxcnc").expect("a control");
-    let cutters = [Cutter { number: None, radius_mm: canon::CUTTER_RADIUS_MM }];
+    let cutter = |number| Cutter { number: Some(number), radius_mm: canon::CUTTER_RADIUS_MM };
+    let cutters: Vec<Cutter> = canon::TOOLS.map(cutter).collect();
     let correction = Correction::Computed(&cutters);
     let plain = ReadJob::plain(text, control);
     let job = ReadJob { start: [Some(0.0); 3], most_moves: 1_000_000, correction, ..plain };

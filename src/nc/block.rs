@@ -53,6 +53,8 @@ pub struct Block {
     slots: [Option<WordValue>; 26],
     /// The letters whose words have been used.
     used: u32,
+    /// LinuxCNC: the radius after `@` and the angle after `^`.
+    pub polar: [Option<WordValue>; 2],
     pub assignments: Vec<(Variable, Value, [usize; 2])>,
     /// The block stands behind a slash.
     pub is_optional: bool,
@@ -61,11 +63,12 @@ pub struct Block {
 
 impl Block {
     pub fn clear(&mut self) {
-        let Self { g, m, slots, used, assignments, is_optional, has_tape_mark } = self;
+        let Self { g, m, slots, used, polar, assignments, is_optional, has_tape_mark } = self;
         g.clear();
         m.clear();
         *slots = [None; 26];
         *used = 0;
+        *polar = [None; 2];
         assignments.clear();
         (*is_optional, *has_tape_mark) = (false, false);
     }
@@ -109,6 +112,10 @@ impl Block {
                     Ok(())
                 }
                 b'#' if language != Language::None => self.assignment(&mut reader, start),
+                b'@' | b'^' if language == Language::LinuxCnc => {
+                    reader.at += 1;
+                    self.polar_word(usize::from(byte == b'^'), &mut reader, start)
+                }
                 letter if letter.is_ascii_alphabetic() => {
                     reader.at += 1;
                     self.word(letter.to_ascii_uppercase(), &mut reader, start)
@@ -154,6 +161,15 @@ impl Block {
             return Err(Fault::Twice);
         }
         *slot = Some(WordValue { value, start, end, lacks_point: read.lacks_point });
+        Ok(())
+    }
+
+    fn polar_word(&mut self, k: usize, reader: &mut Reader<'_>, start: usize) -> Result<(), Fault> {
+        let value = reader.value()?.value.ok_or(Fault::NoNumber)?;
+        if self.polar[k].is_some() {
+            return Err(Fault::Twice);
+        }
+        self.polar[k] = Some(WordValue { value, start, end: reader.at, lacks_point: false });
         Ok(())
     }
 

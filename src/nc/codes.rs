@@ -163,6 +163,7 @@ pub fn meaning(tenths: i32, control: &Control) -> Meaning {
         940 => Meaning::FeedMode(FeedMode::PerMinute),
         950 => Meaning::FeedMode(FeedMode::PerTurn),
         980 | 990 => Meaning::Return(tenths == 980),
+        80 if is(Family::LinuxCnc) => Meaning::NotRead,
         52 | 53 | 70 | 71 | 120 | 121 | 131..=139 | 160 | 220 | 270 | 290 | 310 | 330..=339 | 382..=385 => {
             Meaning::NotRead
         }

@@ -115,6 +115,8 @@ pub struct Machine<'a> {
     /// Where coordinates of the program lie in the work offset.
     pub placement: Placement,
     placing: Placing,
+    /// The polar words of the block: radius and angle.
+    polar_words: [Option<WordValue>; 2],
     compensation: Option<Compensation>,
     /// How far the tool is beside its programmed place since compensation has ended, mm.
     displaced: Option<Vector3<f64>>,
@@ -160,6 +162,7 @@ impl<'a> Machine<'a> {
             frames: Frames::new(setting.offsets),
             placement: Placement::plain(),
             placing: Placing::plain(),
+            polar_words: [None; 2],
             compensation: None,
             displaced: None,
             motion: control.starts_rapid.then_some(Motion::Rapid),
@@ -281,6 +284,7 @@ impl<'a> Machine<'a> {
             block.m.iter().map(|code| (*code, function(code.tenths, self.control))).collect();
         block.use_up(b"NO");
         let leaves = self.leave_codes(line, &meanings, &functions);
+        let unit_before_mm = self.unit_mm();
         // G80 before the others: `G0 G80` leaves G0 in force.
         let ends = |meaning: &Meaning| *meaning == Meaning::CycleEnd;
         for (_, meaning) in meanings.iter().filter(|(_, meaning)| ends(meaning)) {
@@ -290,7 +294,7 @@ impl<'a> Machine<'a> {
             self.set_mode(*meaning);
         }
         self.compensate(line, block, &meanings);
-        self.take_feed_and_speed(line, block, &meanings);
+        self.take_feed_and_speed(line, block, &meanings, unit_before_mm);
         self.change_tool(line, block, &functions);
         for (_, function) in &functions {
             if let Function::Spindle(turns) = function {
@@ -302,6 +306,7 @@ impl<'a> Machine<'a> {
         }
         self.select_lengths(line, block, &meanings);
         self.select_offsets(line, block, &meanings);
+        self.use_polar_words(line, block);
         let next = if meanings.iter().any(|(_, meaning)| *meaning == Meaning::Call) {
             self.macro_call(line, block)
         } else {

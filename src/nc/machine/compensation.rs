@@ -7,7 +7,8 @@
 //!    corner. At an outside corner it goes round: by an arc about the corner, or along the prolonged
 //!    tangents, as the control does.
 //! 3. The first block leads from where the tool is to the offset start of the next block, or, on LinuxCNC, to
-//!    the offset end of its own. The last block ends at right angles to its own end.
+//!    the offset end of its own; there an arc may be the first block, too. The last block ends at right angles
+//!    to its own end.
 //!
 //! # Guarantees
 //! * The centre of the path is never nearer to a corner than the radius.
@@ -34,6 +35,9 @@ const TANGENT: f64 = 1e-6;
 
 /// Places that are nearer count as one, mm: intersections of offset curves come with rounding.
 const SAME_PLACE_MM: f64 = 1e-7;
+
+/// Largest radius of the arc that leads to a contour, mm.
+const MAX_ENTRY_RADIUS_MM: f64 = 1e5;
 
 /// The side of the contour on which the tool goes, seen along its way and against the normal of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,8 +70,17 @@ pub struct Compensation {
 #[derive(Debug, Clone)]
 struct Waiting {
     step: Step,
-    is_entry: bool,
+    entry: Entry,
     between: Vec<Between>,
+}
+
+/// Whether a block leads from where the tool is to the contour.
+#[derive(Debug, Clone, Copy)]
+enum Entry {
+    No,
+    Straight,
+    /// The arc that the tool really runs up to the place beside the end of the block.
+    Arc(Arc),
 }
 
 /// A move of the contour.
@@ -223,18 +236,51 @@ impl Compensation {
                 Ok(())
             }
             None => {
-                if !matches!(step.curve, Curve::Line(_)) {
-                    return Err((step.line, Fault::CompensationByArc));
-                }
-                self.waiting = Some(Waiting { step, is_entry: true, between: Vec::new() });
+                let entry = match &step.curve {
+                    Curve::Line(_) => Entry::Straight,
+                    Curve::Arc(arc) if corners.begins_along => {
+                        Entry::Arc(self.entry_arc(arc).map_err(|fault| (step.line, fault))?)
+                    }
+                    _ => return Err((step.line, Fault::CompensationByArc)),
+                };
+                self.waiting = Some(Waiting { step, entry, between: Vec::new() });
                 Ok(())
             }
             Some(_) => {
                 let Some(waiting) = self.waiting.take() else { return Ok(()) };
                 self.turn_corner(waiting, &step, corners, record)?;
-                self.waiting = Some(Waiting { step, is_entry: false, between: Vec::new() });
+                self.waiting = Some(Waiting { step, entry: Entry::No, between: Vec::new() });
                 Ok(())
             }
+        }
+    }
+
+    /// The arc from where the tool is to the place beside the end of the contour's arc, in the same direction
+    /// there.
+    fn entry_arc(&self, arc: &Arc) -> Result<Arc, Fault> {
+        let is_left = self.side == Side::Left;
+        let leaves = Contour::new(&Curve::Arc(*arc), self.plane, is_left, self.radius_mm)?.leaves;
+        let start = self.local(&self.tip);
+        let end = self.local(&arc.end()) + normal(leaves, is_left) * self.radius_mm;
+        let to_center = (self.local(&arc.center()) - end).normalize();
+        let chord = start - end;
+        let radius = chord.norm_squared() / (2.0 * chord.dot(&to_center));
+        if !radius.is_finite() || radius.abs() > MAX_ENTRY_RADIUS_MM {
+            return Err(Fault::CutterTooLarge);
+        }
+        let n = self.plane.axes()[2];
+        let mut to = self.lifted(end);
+        to[n] = arc.end()[n];
+        let center = self.lifted(end + to_center * radius);
+        Ok(Arc::with_center_near(self.plane, arc.direction(), self.tip, to, center)?)
+    }
+
+    /// The offset of a block that waits; the arc itself where it is the entry.
+    fn own_contour(&self, waiting: &Waiting) -> Result<Contour, Failure> {
+        match &waiting.entry {
+            Entry::Arc(arc) => Contour::new(&Curve::Arc(*arc), self.plane, self.side == Side::Left, 0.0)
+                .map_err(|fault| (waiting.step.line, fault)),
+            _ => self.contour(&waiting.step),
         }
     }
 
@@ -251,19 +297,20 @@ impl Compensation {
         corners: Corners,
         record: &mut Record,
     ) -> Result<(), Failure> {
-        let (first, second) = (self.contour(&waiting.step)?, self.contour(next)?);
+        let (first, second) = (self.own_contour(&waiting)?, self.contour(next)?);
         let corner = self.local(&waiting.step.curve.end());
         let is_left = self.side == Side::Left;
         let radius = self.radius_mm;
         let [beside_first, beside_second] =
             [first.leaves, second.begins].map(|way| corner + normal(way, is_left) * radius);
-        if waiting.is_entry && !corners.begins_along {
+        let is_straight_entry = matches!(waiting.entry, Entry::Straight);
+        if is_straight_entry && !corners.begins_along {
             self.run_to(&waiting, None, beside_second, record)?;
             return Ok(());
         }
         let (sine, cosine) = (first.leaves.perp(&second.begins), first.leaves.dot(&second.begins));
         let inward = if is_left { sine } else { -sine };
-        let own = (!waiting.is_entry).then_some(&first);
+        let own = (!is_straight_entry).then_some(&first);
         if inward.abs() <= TANGENT && cosine > 0.0 {
             self.run_to(&waiting, own, beside_second, record)
         } else if inward > 0.0 {
@@ -318,13 +365,14 @@ impl Compensation {
         end: Vector2<f64>,
         record: &mut Record,
     ) -> Result<(), Failure> {
-        let Waiting { step, between, .. } = waiting;
+        let Waiting { step, entry, between } = waiting;
         let [_, _, n] = self.plane.axes();
         let mut to = self.lifted(end);
         to[n] = step.curve.end()[n];
         let start = self.local(&self.tip);
         let too_large = (step.line, Fault::CutterTooLarge);
-        let curve = match (&step.curve, own) {
+        let real = if let Entry::Arc(arc) = entry { Curve::Arc(*arc) } else { step.curve.clone() };
+        let curve = match (&real, own) {
             (Curve::Arc(arc), Some(own)) => {
                 let swept = own.swept(start, end).ok_or(too_large)?;
                 if swept * own.radius_mm <= SAME_PLACE_MM {
@@ -382,10 +430,11 @@ impl Compensation {
     /// Runs the block that waits to the place beside its end.
     fn finish(&mut self, record: &mut Record) -> Result<(), Failure> {
         let Some(waiting) = self.waiting.take() else { return Ok(()) };
-        let own = self.contour(&waiting.step)?;
+        let own = self.own_contour(&waiting)?;
         let corner = self.local(&waiting.step.curve.end());
         let beside = corner + normal(own.leaves, self.side == Side::Left) * self.radius_mm;
-        self.run_to(&waiting, (!waiting.is_entry).then_some(&own), beside, record)
+        let is_straight_entry = matches!(waiting.entry, Entry::Straight);
+        self.run_to(&waiting, (!is_straight_entry).then_some(&own), beside, record)
     }
 
     fn local(&self, at: &Point3<f64>) -> Vector2<f64> {

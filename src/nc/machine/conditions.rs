@@ -11,6 +11,7 @@ impl Machine<'_> {
         line: Line<'_>,
         block: &mut Block,
         meanings: &[(Code, Meaning)],
+        unit_before_mm: f64,
     ) {
         let is_dwell = meanings.iter().any(|(_, meaning)| *meaning == Meaning::Dwell);
         let feed_is_time = is_dwell && self.control.dwell_letters.contains(&b'F');
@@ -22,7 +23,12 @@ impl Machine<'_> {
             if slot.value < 0.0 {
                 self.refuse_word(line, slot, Fault::OutOfRange(slot.value));
             }
-            let unit = if self.feed_mode == FeedMode::InverseTime { 1.0 } else { self.unit_mm() };
+            let unit = match self.feed_mode {
+                FeedMode::InverseTime => 1.0,
+                // LinuxCNC takes F before a G20 or G21 of the same block.
+                _ if self.control.is(Family::LinuxCnc) => unit_before_mm,
+                _ => self.unit_mm(),
+            };
             self.feed = Some(slot.value * unit);
         }
         // On Fanuc `G92 S` limits the speed.
@@ -67,7 +73,6 @@ impl Machine<'_> {
 
     /// Changes the tool, which has a number or a name.
     pub(crate) fn put_in_tool(&mut self, line: Line<'_>, number: Option<u32>, name: Option<String>) {
-        self.displaced = None;
         self.tool = number;
         self.record.change_tool(number, name, line.number);
         // Another tool has another length, and machines change tools at a height of their own.

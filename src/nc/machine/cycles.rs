@@ -151,9 +151,7 @@ impl Machine<'_> {
         } else {
             let factor = self.placement.factor(n);
             let (r, z) = (r * factor, z * factor);
-            // LinuxCNC counts R from where the tool is, the others from where the cycle began.
-            let from = if self.control.is(Family::LinuxCnc) { self.at[n] } else { cycle.initial };
-            let r = from.map(|from| from + r);
+            let r = cycle.initial.map(|from| from + r);
             (r, r.map(|r| r + z))
         };
         let (Some(r), Some(bottom)) = (r, z) else {
@@ -180,7 +178,7 @@ impl Machine<'_> {
             at[n] = Some(height);
             at
         };
-        if linuxcnc && self.at[n].is_some_and(|height| height < r) {
+        if linuxcnc && cycle.initial.is_some_and(|height| height < r) {
             self.rapid(line, along(self.at, r));
         }
         // The hole lies where the block says, at the height to which the tool has risen.

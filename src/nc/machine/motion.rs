@@ -44,7 +44,7 @@ impl Machine<'_> {
         if meanings.iter().any(|(code, _)| code.tenths == 431 || code.tenths == 432) {
             return;
         }
-        let has_axes = block.has(&AXES);
+        let has_axes = block.has(&AXES) || self.has_polar_words();
         if self.has_cycle() {
             // LinuxCNC drills where a block names a place; the others do for R alone, too.
             if has_axes || block.has(b"R") && !self.control.is(Family::LinuxCnc) {

@@ -5,6 +5,7 @@
 //! that are mirrored and scaled.
 
 use nalgebra::{Point3, Vector3};
+use toolpathd_core::geometry::plane::Plane;
 
 use super::{AXES, At, Block, Code, Fault, Line, Machine, Meaning, Note, OFFSETS, WithoutPoint, WordValue};
 use crate::placement::{Coordinate, Placement};
@@ -199,10 +200,69 @@ impl Machine<'_> {
         self.placing.polar = Some(Polar { pole, radius_mm: 0.0, degrees: 0.0 });
     }
 
+    /// LinuxCNC: the block has a radius and an angle instead of X and Y.
+    pub(super) fn use_polar_words(&mut self, line: Line<'_>, block: &Block) {
+        self.polar_words = block.polar;
+        let [radius, angle] = block.polar;
+        if let Some(word) = radius.or(angle)
+            && (block.has(b"XY") || self.plane != Plane::Xy)
+        {
+            self.refuse_word(line, word, Fault::Conflict);
+        }
+    }
+
+    pub(super) fn has_polar_words(&self) -> bool {
+        self.polar_words != [None; 2]
+    }
+
+    /// The coordinates of the program that radius and angle about its zero name, mm. Without one of them the
+    /// tool keeps its own; under G91 they add to its own.
+    fn polar_place(&mut self, line: Line<'_>) -> Option<[f64; 2]> {
+        let [radius, angle] = self.polar_words;
+        let word = radius.or(angle)?;
+        let stands = self.place_in_program();
+        let (x, y) = match (stands[0], stands[1]) {
+            (Some(x), Some(y)) => (x, y),
+            _ if self.is_absolute && radius.is_some() && angle.is_some() => (0.0, 0.0),
+            (x, _) => {
+                let axis = if x.is_none() { 'X' } else { 'Y' };
+                self.refuse_state(line, Fault::UnknownStart(axis));
+                return None;
+            }
+        };
+        let needs_angle = !self.is_absolute || angle.is_none();
+        if needs_angle && x == 0.0 && y == 0.0 {
+            self.refuse_word(line, word, Fault::NoValue("the tool stands at the pole"));
+            return None;
+        }
+        let far = radius.map(|slot| self.length_mm(line, slot));
+        let turned = angle.map(|slot| slot.value.to_radians());
+        let (own_far, own_turned) = (x.hypot(y), y.atan2(x));
+        let (far, turned) = if self.is_absolute {
+            (far.unwrap_or(own_far), turned.unwrap_or(own_turned))
+        } else {
+            (own_far + far.unwrap_or(0.0), own_turned + turned.unwrap_or(0.0))
+        };
+        Some([far * turned.cos(), far * turned.sin()])
+    }
+
     /// The place that polar words name; `None` where polar coordinates are not in force.
     pub(super) fn polar_target(&mut self, line: Line<'_>, words: [Option<WordValue>; 3]) -> Option<At> {
-        let mut polar = self.placing.polar?;
         let [a, b, n] = self.plane.axes();
+        let is_absolute = self.is_absolute;
+        let mut coordinates = [None; 3];
+        coordinates[n] = words[n].map(|slot| {
+            let mm = self.length_mm(line, slot);
+            if is_absolute { Coordinate::Absolute(mm) } else { Coordinate::Relative(mm) }
+        });
+        if self.has_polar_words() {
+            if let Some([x, y]) = self.polar_place(line) {
+                coordinates[0] = Some(Coordinate::Absolute(x));
+                coordinates[1] = Some(Coordinate::Absolute(y));
+            }
+            return Some(self.placed(coordinates));
+        }
+        let mut polar = self.placing.polar?;
         let (radius, angle) = (words[a], words[b]);
         if let Some(slot) = radius {
             polar.radius_mm = self.length_mm(line, slot);
@@ -215,17 +275,11 @@ impl Machine<'_> {
             polar.degrees = if self.is_absolute { degrees } else { polar.degrees + degrees };
         }
         self.placing.polar = Some(polar);
-        let mut coordinates = [None; 3];
         if radius.is_some() || angle.is_some() {
             let way = Vector3::new(polar.degrees.to_radians().cos(), polar.degrees.to_radians().sin(), 0.0);
             coordinates[a] = Some(Coordinate::Absolute(polar.pole[0] + polar.radius_mm * way.x));
             coordinates[b] = Some(Coordinate::Absolute(polar.pole[1] + polar.radius_mm * way.y));
         }
-        let is_absolute = self.is_absolute;
-        coordinates[n] = words[n].map(|slot| {
-            let mm = self.length_mm(line, slot);
-            if is_absolute { Coordinate::Absolute(mm) } else { Coordinate::Relative(mm) }
-        });
         Some(self.placed(coordinates))
     }
 }

@@ -81,7 +81,10 @@ fn a_cutter_that_does_not_fit_is_refused() {
         assert_eq!((refusals[0].line, refusals[0].fault), (line, fault), "{rest}");
     }
     let first = |text: &str| refused(&computed("linuxcnc", text))[0].fault;
-    assert_eq!(first("G21 G0 X0 Y0 Z0\nG41 D1\nG2 X10 I5 F100\nM2\n"), Fault::CompensationByArc);
+    let by_arc = "G21 G0 X0. Y0. Z0.\nG41 D1\nG2 X10. I5. F100.\nM30\n";
+    assert_eq!(refused(&computed("fanuc", by_arc))[0].fault, Fault::CompensationByArc);
+    // LinuxCNC goes there by an arc of another radius.
+    close(&[figures("linuxcnc", "G21 G0 X0 Y0 Z0\nG41 D1\nG2 X10 I5 F100\nM2\n").0], &[7.5 * PI]);
     assert_eq!(first(&format!("{start}X20\nG41 D1 X30\nM2\n")), Fault::InCompensation);
     assert_eq!(first(&format!("{start}X20\nG40\nG2 X30 I5\nM2\n")), Fault::ArcAfterCompensation);
     assert_eq!(first(&format!("{start}X20\nG28\nG40 X0\nM2\n")), Fault::InCompensation);

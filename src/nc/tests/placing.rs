@@ -73,3 +73,16 @@ fn what_a_turn_leaves_open_is_refused() {
     let arc = format!("{start}G51 X0. Y0. Z0. I2. J1. K1.\nG3 X10. R8. F100.\nM30");
     assert_eq!(faults("haas", &arc)[0].2, Fault::Ellipse);
 }
+
+#[test]
+fn radius_and_angle_of_linuxcnc_are_those_about_the_zero() {
+    let end = |lines: &str| of("linuxcnc", &format!("G21 G90 G94 G17\n{lines}\nM2")).end.map(Option::unwrap);
+    close(&end("G0 X0 Y0 Z5\nG1 @20 ^30 F100"), &[10.0 * 3.0f64.sqrt(), 10.0, 5.0]);
+    close(&end("G0 X0 Y10 Z5\nG1 ^0 F100\n@4"), &[4.0, 0.0, 5.0]);
+    close(&end("G0 X10 Y0 Z5\nG91 G1 ^90 F100\n@2"), &[0.0, 12.0, 5.0]);
+    assert_eq!(
+        faults("linuxcnc", "G0 X0 Y0 Z5\nG1 @2 F100\nM2")[0].2,
+        Fault::NoValue("the tool stands at the pole")
+    );
+    assert_eq!(faults("linuxcnc", "G0 X0 Y0 Z5\nG1 @2 X3 F100\nM2")[0].2, Fault::Conflict);
+}

@@ -209,6 +209,7 @@ impl<'a, 'm> Execution<'a, 'm> {
             }
         } else if !(block.is_optional && self.skips_optional) {
             let next = self.machine.run(line, &mut block);
+            self.machine.trace(line.number);
             self.assign(line, &block);
             self.go(line, index, &block, next);
         }

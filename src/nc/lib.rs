@@ -17,15 +17,16 @@
 //! # Cost
 //! O(n) in the executed blocks: about half a microsecond each.
 
+pub mod codes;
 pub mod control;
 pub mod fault;
 pub mod frames;
 pub mod machine;
 pub mod notes;
 pub mod record;
+pub mod trace;
 
 mod block;
-mod codes;
 mod expression;
 mod flow;
 mod klartext;
@@ -43,6 +44,7 @@ use fault::Refusal;
 use machine::{At, Correction, Machine, Setting};
 use notes::{LeftWord, Note};
 use record::{FeedUse, ToolUse};
+use trace::TracedBlock;
 
 /// A program to read, with what its text does not say.
 #[derive(Debug, Clone)]
@@ -61,6 +63,8 @@ pub struct ReadJob<'a> {
     pub skips_optional: bool,
     pub correction: Correction<'a>,
     pub most_moves: usize,
+    /// Blocks whose modal state is recorded.
+    pub most_traced: usize,
 }
 
 impl<'a> ReadJob<'a> {
@@ -76,6 +80,7 @@ impl<'a> ReadJob<'a> {
             skips_optional: false,
             correction: Correction::Refused,
             most_moves: usize::MAX,
+            most_traced: 0,
         }
     }
 }
@@ -99,6 +104,8 @@ pub struct ReadProgram {
     pub left_alone: Vec<LeftWord>,
     pub n_left_alone: usize,
     pub notes: Vec<Note>,
+    /// The state behind each block that has run, up to the asked number of blocks.
+    pub trace: Vec<TracedBlock>,
 }
 
 /// How much of a text has run.
@@ -133,6 +140,7 @@ pub fn read(job: &ReadJob<'_>, budget: &Budget) -> Result<ReadProgram, ReadError
         offsets: job.offsets,
         correction: job.correction,
         most_moves: job.most_moves,
+        most_traced: job.most_traced,
     };
     let mut machine = Machine::new(&setting);
     let Ran { n_lines, n_blocks } = match job.control.family {
@@ -141,7 +149,7 @@ pub fn read(job: &ReadJob<'_>, budget: &Budget) -> Result<ReadProgram, ReadError
         _ => flow::run(&mut machine, job.text, job.skips_optional, budget)?,
     };
     machine.finish();
-    let Machine { record, refusals, left, notes, at, frames, .. } = machine;
+    let Machine { record, refusals, left, notes, at, frames, traced, .. } = machine;
     if !refusals.is_empty() {
         return Err(ReadError::Refused(refusals));
     }
@@ -161,6 +169,7 @@ pub fn read(job: &ReadJob<'_>, budget: &Budget) -> Result<ReadProgram, ReadError
         left_alone: left.into_words(),
         n_left_alone,
         notes,
+        trace: traced,
     })
 }
 

@@ -29,6 +29,7 @@ use super::frames::Frames;
 use super::notes::{LeftAlone, Note};
 use super::placement::Placement;
 use super::record::Record;
+use super::trace::TracedBlock;
 use compensation::Compensation;
 pub use compensation::Side;
 pub(crate) use correction::Radius;
@@ -59,6 +60,8 @@ pub struct Setting<'a> {
     pub offsets: &'a [(u32, [f64; 3])],
     pub correction: Correction<'a>,
     pub most_moves: usize,
+    /// Blocks whose modal state is recorded.
+    pub most_traced: usize,
 }
 
 /// What G41 and G42 mean.
@@ -110,6 +113,7 @@ pub struct Machine<'a> {
     pub refusals: Vec<Refusal>,
     pub left: LeftAlone,
     pub notes: Vec<Note>,
+    pub traced: Vec<TracedBlock>,
     pub at: At,
     pub frames: Frames,
     /// Where coordinates of the program lie in the work offset.
@@ -158,6 +162,7 @@ impl<'a> Machine<'a> {
             refusals: Vec::new(),
             left: LeftAlone::default(),
             notes: Vec::new(),
+            traced: Vec::new(),
             at: setting.start,
             frames: Frames::new(setting.offsets),
             placement: Placement::plain(),
@@ -374,6 +379,10 @@ impl<'a> Machine<'a> {
         if count > 0 {
             self.notes.push(Note::ArcsMoved { count, line, most_mm });
         }
+    }
+
+    pub(crate) fn most_traced(&self) -> usize {
+        self.setting.most_traced
     }
 
     /// The number of the tool in the spindle, once a tool change has said so.

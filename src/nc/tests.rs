@@ -4,6 +4,7 @@ mod flow;
 mod motion;
 mod placing;
 mod refusals;
+mod trace;
 
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::measure::{Measures, measure};

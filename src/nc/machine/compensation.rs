@@ -15,26 +15,25 @@
 //! * A cutter that does not fit between two neighbouring blocks, or into an arc, is refused, as controls do.
 //!   Blocks that are no neighbours are not looked at.
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Vector2};
 use toolpathd_core::geometry::curve::{Arc, Curve, Direction, Line as Segment};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::path::PathError;
 use toolpathd_core::toolpath::units::FeedRate;
 
 use super::contour::{Contour, crossing, normal};
-use super::{Family, Fault, Line, Machine, Note};
-use crate::fault::Refusal;
+use super::{Family, Fault};
 use crate::record::Record;
 
 /// Blocks along the normal and pauses between two blocks in the plane.
-const MAX_BETWEEN: usize = 1000;
+pub(super) const MAX_BETWEEN: usize = 1000;
 
 /// Sine of the angle between two blocks that count as tangent. The crossing of curves that are nearer to
 /// tangent is lost in rounding.
 const TANGENT: f64 = 1e-6;
 
 /// Places that are nearer count as one, mm: intersections of offset curves come with rounding.
-const SAME_PLACE_MM: f64 = 1e-7;
+pub(super) const SAME_PLACE_MM: f64 = 1e-7;
 
 /// Largest radius of the arc that leads to a contour, mm.
 const MAX_ENTRY_RADIUS_MM: f64 = 1e5;
@@ -47,7 +46,7 @@ pub enum Side {
 }
 
 impl Side {
-    fn other(self) -> Self {
+    pub(super) fn other(self) -> Self {
         match self {
             Side::Left => Side::Right,
             Side::Right => Side::Left,
@@ -58,20 +57,20 @@ impl Side {
 /// Compensation in force.
 #[derive(Debug, Clone)]
 pub struct Compensation {
-    side: Side,
-    radius_mm: f64,
-    plane: Plane,
+    pub(super) side: Side,
+    pub(super) radius_mm: f64,
+    pub(super) plane: Plane,
     /// Where the tool really is.
-    tip: Point3<f64>,
-    waiting: Option<Waiting>,
+    pub(super) tip: Point3<f64>,
+    pub(super) waiting: Option<Waiting>,
 }
 
 /// A block that waits for the next.
 #[derive(Debug, Clone)]
-struct Waiting {
+pub(super) struct Waiting {
     step: Step,
     entry: Entry,
-    between: Vec<Between>,
+    pub(super) between: Vec<Between>,
 }
 
 /// Whether a block leads from where the tool is to the contour.
@@ -85,125 +84,31 @@ enum Entry {
 
 /// A move of the contour.
 #[derive(Debug, Clone)]
-struct Step {
-    curve: Curve,
-    pace: Pace,
-    line: usize,
+pub(super) struct Step {
+    pub(super) curve: Curve,
+    pub(super) pace: Pace,
+    pub(super) line: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Pace {
+pub(super) enum Pace {
     Rapid,
     Feed(FeedRate, Option<f64>),
 }
 
 /// What runs between two blocks in the plane.
 #[derive(Debug, Clone)]
-enum Between {
+pub(super) enum Between {
     Along(Step),
     Pause(f64, usize),
 }
 
 /// Why the tool cannot go on, and the line of the block.
-type Failure = (usize, Fault);
-
-impl Machine<'_> {
-    pub(crate) fn is_compensating(&self) -> bool {
-        self.compensation.is_some()
-    }
-
-    pub(super) fn compensation_plane(&self) -> Option<Plane> {
-        self.compensation.as_ref().map(|own| own.plane)
-    }
-
-    /// Whether the compensation in force is one of this side and radius.
-    pub(super) fn continues(&self, side: Side, radius_mm: f64) -> bool {
-        let side = self.side_placed(side);
-        self.compensation.as_ref().is_some_and(|own| own.side == side && own.radius_mm == radius_mm)
-    }
-
-    /// The side where the contour lies: a mirror exchanges the sides.
-    fn side_placed(&self, side: Side) -> Side {
-        match self.placement.in_plane(self.plane) {
-            Some((_, true)) => side.other(),
-            _ => side,
-        }
-    }
-
-    /// Compensation by `radius_mm` begins with the next block.
-    pub(crate) fn start_compensation(&mut self, line: Line<'_>, side: Side, radius_mm: f64) {
-        let side = self.side_placed(side);
-        let place = Self::place(&self.at);
-        let tip = match place {
-            Ok(place) => place + self.displaced.take().unwrap_or_default(),
-            Err(axis) => return self.refuse_state(line, Fault::UnknownStart(axis)),
-        };
-        self.compensation = Some(Compensation { side, radius_mm, plane: self.plane, tip, waiting: None });
-        if self.control.is(Family::Fanuc)
-            && !self.notes.iter().any(|note| matches!(note, Note::CompensationComputed { .. }))
-        {
-            self.note(Note::CompensationComputed { line: line.number, radius_mm });
-        }
-    }
-
-    /// Compensation ends: the block that waits ends at right angles to its end. The next move begins there.
-    pub(crate) fn end_compensation(&mut self) {
-        let Some(mut compensation) = self.compensation.take() else { return };
-        if let Err(failure) = compensation.finish(&mut self.record) {
-            self.refuse_failure(failure);
-        }
-        let shift = Self::place(&self.at).map_or_else(|_| Vector3::zeros(), |at| compensation.tip - at);
-        self.displaced = (shift.norm() > SAME_PLACE_MM).then_some(shift);
-    }
-
-    /// The ends of a straight move after compensation: it begins beside the contour. On most controls a move
-    /// along the normal stays beside it.
-    pub(super) fn displace(&mut self, start: Point3<f64>, end: Point3<f64>) -> [Point3<f64>; 2] {
-        let Some(shift) = self.displaced.take() else { return [start, end] };
-        let [a, b, _] = self.plane.axes();
-        let is_along = start[a] == end[a] && start[b] == end[b];
-        if is_along && !self.control.is(Family::LinuxCnc) {
-            self.displaced = Some(shift);
-            [start + shift, end + shift]
-        } else {
-            [start + shift, end]
-        }
-    }
-
-    /// Gives a move to the compensation in force.
-    pub(super) fn follow(&mut self, curve: Curve, feed: Option<(FeedRate, Option<f64>)>, line: Line<'_>) {
-        let pace = feed.map_or(Pace::Rapid, |(rate, speed)| Pace::Feed(rate, speed));
-        let step = Step { curve, pace, line: line.number };
-        let Some(mut compensation) = self.compensation.take() else { return };
-        let corners = Corners::of(self.control.family);
-        match compensation.add(step, corners, &mut self.record) {
-            Ok(()) => self.compensation = Some(compensation),
-            // What follows would be refused for the same reason.
-            Err(failure) => self.refuse_failure(failure),
-        }
-    }
-
-    /// A pause while compensation is in force. False where there is none.
-    pub(super) fn pause_compensated(&mut self, seconds: f64, line: Line<'_>) -> Result<bool, PathError> {
-        let Some(compensation) = &mut self.compensation else { return Ok(false) };
-        match &mut compensation.waiting {
-            Some(waiting) if waiting.between.len() < MAX_BETWEEN => {
-                waiting.between.push(Between::Pause(seconds, line.number));
-                Ok(true)
-            }
-            Some(_) => Err(PathError::TooManyMoves { limit: MAX_BETWEEN }),
-            None => Ok(false),
-        }
-    }
-
-    fn refuse_failure(&mut self, (line, fault): Failure) {
-        self.refuse(Refusal { line, column: 1, word: String::new(), fault });
-    }
-}
+pub(super) type Failure = (usize, Fault);
 
 /// How a control goes round outside corners, and how it begins.
 #[derive(Debug, Clone, Copy)]
-struct Corners {
+pub(super) struct Corners {
     are_round: bool,
     /// The first block ends beside its own end, else beside the start of the next.
     begins_along: bool,
@@ -212,14 +117,14 @@ struct Corners {
 }
 
 impl Corners {
-    fn of(family: Family) -> Self {
+    pub(super) fn of(family: Family) -> Self {
         let is_linuxcnc = family == Family::LinuxCnc;
         Self { are_round: family != Family::Fanuc, begins_along: is_linuxcnc, rapids_cut: is_linuxcnc }
     }
 }
 
 impl Compensation {
-    fn add(&mut self, step: Step, corners: Corners, record: &mut Record) -> Result<(), Failure> {
+    pub(super) fn add(&mut self, step: Step, corners: Corners, record: &mut Record) -> Result<(), Failure> {
         let is_along = {
             let [a, b, _] = self.plane.axes();
             let (start, end) = (step.curve.start(), step.curve.end());
@@ -428,7 +333,7 @@ impl Compensation {
     }
 
     /// Runs the block that waits to the place beside its end.
-    fn finish(&mut self, record: &mut Record) -> Result<(), Failure> {
+    pub(super) fn finish(&mut self, record: &mut Record) -> Result<(), Failure> {
         let Some(waiting) = self.waiting.take() else { return Ok(()) };
         let own = self.own_contour(&waiting)?;
         let corner = self.local(&waiting.step.curve.end());

@@ -1,6 +1,16 @@
 //! When cutter compensation begins and ends, and by which radius.
 
-use super::{Block, Code, Correction, Family, Fault, Line, Machine, Meaning, Note, Side, WordValue};
+use nalgebra::{Point3, Vector3};
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::geometry::plane::Plane;
+use toolpathd_core::toolpath::path::PathError;
+use toolpathd_core::toolpath::units::FeedRate;
+
+use super::compensation::{
+    Between, Compensation, Corners, Failure, MAX_BETWEEN, Pace, SAME_PLACE_MM, Side, Step,
+};
+use super::{Block, Code, Correction, Family, Fault, Line, Machine, Meaning, Note, WordValue};
+use crate::fault::Refusal;
 
 /// Largest radius, mm.
 const MAX_RADIUS_MM: f64 = 10_000.0;
@@ -97,7 +107,7 @@ impl Machine<'_> {
             return self.refuse(line.refusal(start, end, Fault::UnknownRadius));
         };
         let is_linuxcnc = self.control.is(Family::LinuxCnc);
-        if is_linuxcnc && self.plane == toolpathd_core::geometry::plane::Plane::Yz {
+        if is_linuxcnc && self.plane == Plane::Yz {
             return self.refuse(line.refusal(start, end, Fault::Conflict));
         }
         if self.is_compensating() {
@@ -109,6 +119,105 @@ impl Machine<'_> {
         if radius_mm > 0.0 {
             self.start_compensation(line, side, radius_mm);
         }
+    }
+}
+
+impl Machine<'_> {
+    pub(crate) fn is_compensating(&self) -> bool {
+        self.compensation.is_some()
+    }
+
+    /// The side on which the tool goes where it lies, behind mirrors.
+    pub(crate) fn compensation_side(&self) -> Option<Side> {
+        self.compensation.as_ref().map(|own| own.side)
+    }
+
+    pub(super) fn compensation_plane(&self) -> Option<Plane> {
+        self.compensation.as_ref().map(|own| own.plane)
+    }
+
+    /// Whether the compensation in force is one of this side and radius.
+    pub(super) fn continues(&self, side: Side, radius_mm: f64) -> bool {
+        let side = self.side_placed(side);
+        self.compensation.as_ref().is_some_and(|own| own.side == side && own.radius_mm == radius_mm)
+    }
+
+    /// The side where the contour lies: a mirror exchanges the sides.
+    fn side_placed(&self, side: Side) -> Side {
+        match self.placement.in_plane(self.plane) {
+            Some((_, true)) => side.other(),
+            _ => side,
+        }
+    }
+
+    /// Compensation by `radius_mm` begins with the next block.
+    pub(crate) fn start_compensation(&mut self, line: Line<'_>, side: Side, radius_mm: f64) {
+        let side = self.side_placed(side);
+        let place = Self::place(&self.at);
+        let tip = match place {
+            Ok(place) => place + self.displaced.take().unwrap_or_default(),
+            Err(axis) => return self.refuse_state(line, Fault::UnknownStart(axis)),
+        };
+        self.compensation = Some(Compensation { side, radius_mm, plane: self.plane, tip, waiting: None });
+        if self.control.is(Family::Fanuc)
+            && !self.notes.iter().any(|note| matches!(note, Note::CompensationComputed { .. }))
+        {
+            self.note(Note::CompensationComputed { line: line.number, radius_mm });
+        }
+    }
+
+    /// Compensation ends: the block that waits ends at right angles to its end. The next move begins there.
+    pub(crate) fn end_compensation(&mut self) {
+        let Some(mut compensation) = self.compensation.take() else { return };
+        if let Err(failure) = compensation.finish(&mut self.record) {
+            self.refuse_failure(failure);
+        }
+        let shift = Self::place(&self.at).map_or_else(|_| Vector3::zeros(), |at| compensation.tip - at);
+        self.displaced = (shift.norm() > SAME_PLACE_MM).then_some(shift);
+    }
+
+    /// The ends of a straight move after compensation: it begins beside the contour. On most controls a move
+    /// along the normal stays beside it.
+    pub(super) fn displace(&mut self, start: Point3<f64>, end: Point3<f64>) -> [Point3<f64>; 2] {
+        let Some(shift) = self.displaced.take() else { return [start, end] };
+        let [a, b, _] = self.plane.axes();
+        let is_along = start[a] == end[a] && start[b] == end[b];
+        if is_along && !self.control.is(Family::LinuxCnc) {
+            self.displaced = Some(shift);
+            [start + shift, end + shift]
+        } else {
+            [start + shift, end]
+        }
+    }
+
+    /// Gives a move to the compensation in force.
+    pub(super) fn follow(&mut self, curve: Curve, feed: Option<(FeedRate, Option<f64>)>, line: Line<'_>) {
+        let pace = feed.map_or(Pace::Rapid, |(rate, speed)| Pace::Feed(rate, speed));
+        let step = Step { curve, pace, line: line.number };
+        let Some(mut compensation) = self.compensation.take() else { return };
+        let corners = Corners::of(self.control.family);
+        match compensation.add(step, corners, &mut self.record) {
+            Ok(()) => self.compensation = Some(compensation),
+            // What follows would be refused for the same reason.
+            Err(failure) => self.refuse_failure(failure),
+        }
+    }
+
+    /// A pause while compensation is in force. False where there is none.
+    pub(super) fn pause_compensated(&mut self, seconds: f64, line: Line<'_>) -> Result<bool, PathError> {
+        let Some(compensation) = &mut self.compensation else { return Ok(false) };
+        match &mut compensation.waiting {
+            Some(waiting) if waiting.between.len() < MAX_BETWEEN => {
+                waiting.between.push(Between::Pause(seconds, line.number));
+                Ok(true)
+            }
+            Some(_) => Err(PathError::TooManyMoves { limit: MAX_BETWEEN }),
+            None => Ok(false),
+        }
+    }
+
+    fn refuse_failure(&mut self, (line, fault): Failure) {
+        self.refuse(Refusal { line, column: 1, word: String::new(), fault });
     }
 }
 

@@ -33,6 +33,10 @@ impl Machine<'_> {
         self.cycle.is_some()
     }
 
+    pub(crate) fn cycle_number(&self) -> Option<u8> {
+        self.cycle.map(|cycle| cycle.number)
+    }
+
     /// A cycle comes into force. On LinuxCNC its words have to be stated again when the code changes.
     pub(super) fn begin_cycle(&mut self, line: Line<'_>, number: u8, _: Code) {
         let normal = self.plane.axes()[2];

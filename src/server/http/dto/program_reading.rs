@@ -1,19 +1,21 @@
 //! The request to read an NC program, as JSON or as a query beside NC text, and the report.
 
+mod query;
 mod report;
+mod trace;
 
 use serde::Deserialize;
-use utoipa::{IntoParams, ToSchema};
+use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
 use super::dialect::{self, DialectName};
 use super::meta::{self, Meta, MetaTexts};
 use super::point::Point;
 use crate::config::Limits;
-use crate::http::decode::query::{FromQuery, Parameters};
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
+pub use query::ReadQuery;
 pub use report::ReadReport;
 use toolpathd_core::toolpath::program::Units;
 use toolpathd_core::toolpath::units::FeedRate;
@@ -24,6 +26,9 @@ use toolpathd_nc::machine::{Correction, Cutter};
 
 /// Most work offsets of a request.
 const MAX_OFFSETS: usize = 100;
+
+/// Most blocks of a trace. One takes some 400 bytes of JSON.
+const MOST_TRACED: usize = 200_000;
 
 /// An NC program, and what its text does not say.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -99,88 +104,6 @@ pub enum Compensation {
     Compute,
 }
 
-/// What the text of a program does not say: the query of a body that is NC text. With a body of JSON a
-/// member of the body counts before the parameter of the same name.
-#[derive(Debug, Clone, Default, IntoParams)]
-#[into_params(parameter_in = Query)]
-pub struct ReadQuery {
-    /// Name of the control's dialect, as listed by `/v1/dialects`. `siemens`, `heidenhain` and `deckel` are
-    /// not read. Default: `linuxcnc`.
-    #[param(value_type = Option<DialectName>)]
-    dialect: Option<String>,
-    /// Unit of lengths before the first G20 or G21. Default: `mm`, and the answer warns.
-    #[param(inline)]
-    units: Option<Units>,
-    /// What a length without a decimal point means. Default: `increments` for `fanuc`, `haas` and `mazak`,
-    /// `units` for the others.
-    #[param(inline)]
-    without_point: Option<WithoutPoint>,
-    /// Where the tip of the tool stands before the first block: three numbers in mm, separated by commas.
-    /// Default: not known.
-    #[param(value_type = Option<String>)]
-    start: Option<[f64; 3]>,
-    /// Whether blocks behind a slash are left out. Default: they run.
-    block_delete: Option<bool>,
-    /// What G41 and G42 mean. Default: `refuse`.
-    #[param(inline)]
-    compensation: Option<Compensation>,
-    /// Radius of the cutter for `compensation=compute`, in mm.
-    #[param(minimum = 0.001, maximum = 1_000_000)]
-    cutter_radius_mm: Option<f64>,
-    /// Speed of rapids, in mm/min. Default: 10000.
-    #[param(minimum = 0.001, maximum = 1_000_000)]
-    rapid_feed_mm_per_min: Option<f64>,
-}
-
-impl FromQuery for ReadQuery {
-    const NAMES: &'static [&'static str] = &[
-        "dialect",
-        "units",
-        "without_point",
-        "start",
-        "block_delete",
-        "compensation",
-        "cutter_radius_mm",
-        "rapid_feed_mm_per_min",
-    ];
-
-    fn read(sent: &Parameters) -> Result<Self, String> {
-        let start = sent.text("start")?.map(place).transpose()?;
-        let dialect = sent.text("dialect")?.map(str::to_owned);
-        if let Some(name) = &dialect {
-            control_of(Some(name))
-                .map_err(|(_, detail)| format!("the query parameter `dialect`: {detail}"))?;
-        }
-        let rapid = sent.number("rapid_feed_mm_per_min")?;
-        if let Some(rapid) = rapid.filter(|rapid| !Range::POSITIVE.holds(*rapid)) {
-            return Err(format!("`rapid_feed_mm_per_min` is {rapid}; send 0.001 to 1000000 mm/min"));
-        }
-        let radius = sent.number("cutter_radius_mm")?;
-        if let Some(radius) = radius.filter(|radius| !Range::POSITIVE.holds(*radius)) {
-            return Err(format!("`cutter_radius_mm` is {radius}; send 0.001 to 1000000 mm"));
-        }
-        Ok(Self {
-            dialect,
-            units: sent.name("units")?,
-            without_point: sent.name("without_point")?,
-            start,
-            block_delete: sent.flag("block_delete")?,
-            compensation: sent.name("compensation")?,
-            cutter_radius_mm: radius,
-            rapid_feed_mm_per_min: rapid,
-        })
-    }
-}
-
-/// Three coordinates of a query.
-fn place(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let place = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
-    place
-        .filter(|place| place.iter().all(|x| Range::COORDINATE.holds(*x)))
-        .ok_or_else(|| "the query parameter `start` must be three numbers in mm, such as `0,0,50`".to_owned())
-}
-
 /// The control of a dialect.
 fn control_of(name: Option<&str>) -> Result<&'static Control, (FieldCode, String)> {
     let dialect = dialect::find(name).map_err(|detail| (FieldCode::UnknownDialect, detail))?;
@@ -234,6 +157,7 @@ impl ProgramReading {
             compensation: own.compensation.or(query.compensation),
             cutter_radius_mm: own.cutter_radius_mm.or(query.cutter_radius_mm),
             rapid_feed_mm_per_min: own.rapid_feed_mm_per_min.or(query.rapid_feed_mm_per_min),
+            trace: query.trace,
         };
         self.cutters
             .extend(self.settings.cutter_radius_mm.map(|radius_mm| Cutter { number: None, radius_mm }));
@@ -277,7 +201,13 @@ impl ProgramReading {
                 Some(Compensation::Compute) => Correction::Computed(&self.cutters),
             },
             most_moves: self.most_moves,
+            most_traced: if settings.trace == Some(true) { MOST_TRACED } else { 0 },
         }
+    }
+
+    /// Whether the answer holds the modal state behind each block.
+    pub fn is_traced(&self) -> bool {
+        self.settings.trace == Some(true)
     }
 
     pub fn rapid_feed(&self) -> FeedRate {
@@ -331,6 +261,7 @@ impl IntoJob for ReadRequest {
             compensation,
             cutter_radius_mm,
             rapid_feed_mm_per_min,
+            trace: None,
         };
         let text = nc.into_bytes();
         Ok(ProgramReading {
@@ -394,13 +325,5 @@ mod tests {
         let found =
             ["G54", "g59", "G59.3", "G54.1 P2", "G154 P99", "G53", "G54.1", "G54.1 P0"].map(offset_number);
         assert_eq!(found, [Some(1), Some(6), Some(9), Some(102), Some(199), None, None, None]);
-    }
-
-    #[test]
-    fn a_place_in_a_query_is_three_numbers() {
-        assert_eq!(place("1, -2,3.5"), Ok([1.0, -2.0, 3.5]));
-        assert!(
-            ["", "1,2", "1,2,3,4", "1,2,x", "1,2,1e9", "1,2,NaN"].iter().all(|text| place(text).is_err())
-        );
     }
 }

@@ -100,7 +100,7 @@ fn read(job: ProgramReading, budget: &Budget) -> Result<Outcome<ReadReport, Read
     let setup = Setup { tool: None, program, dialect: dialect::DEFAULT, five_axes: None, called: None };
     Ok(Outcome {
         warnings: warnings.collect(),
-        report: ReadReport::new(&reading, control),
+        report: ReadReport::new(&reading, control, job.is_traced()),
         product: ReadPath {
             cut: Cut { toolpath: reading.toolpath, cutting: None, setup, comments: Vec::new(), nc: None },
             rapid_feed: job.rapid_feed(),

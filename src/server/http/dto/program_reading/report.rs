@@ -3,6 +3,7 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::trace::TracedReport;
 use toolpathd_nc::ReadProgram;
 use toolpathd_nc::control::Control;
 use toolpathd_nc::frames;
@@ -39,6 +40,9 @@ pub struct ReadReport {
     left_alone: Vec<LeftWordReport>,
     /// Number of words that were left alone.
     n_left_alone: usize,
+    /// The modal state behind each block that has run, with `trace=true`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trace: Option<Vec<TracedReport>>,
 }
 
 /// What one tool does, from its change to the next.
@@ -94,7 +98,7 @@ struct LeftWordReport {
 }
 
 impl ReadReport {
-    pub fn new(reading: &ReadProgram, control: &Control) -> Self {
+    pub fn new(reading: &ReadProgram, control: &Control, with_trace: bool) -> Self {
         let tools: Vec<ToolReport> = reading.tools.iter().map(ToolReport::from).collect();
         Self {
             dialect: control.name,
@@ -109,6 +113,7 @@ impl ReadReport {
             feeds: reading.feeds.iter().map(FeedReport::from).collect(),
             left_alone: reading.left_alone.iter().map(LeftWordReport::from).collect(),
             n_left_alone: reading.n_left_alone,
+            trace: with_trace.then(|| reading.trace.iter().map(TracedReport::from).collect()),
         }
     }
 }

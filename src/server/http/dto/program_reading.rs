@@ -37,8 +37,8 @@ pub struct ReadRequest {
     /// The text of the program, with its line ends.
     #[schema(max_length = 16_777_216)]
     pub(super) nc: String,
-    /// Name of the control's dialect, as listed by `/v1/dialects`. `siemens`, `heidenhain` and `deckel` are
-    /// not read.
+    /// Name of the control's dialect, as listed by `/v1/dialects`. `deckel` is not
+    /// read.
     #[schema(value_type = Option<DialectName>, default = "linuxcnc")]
     pub(super) dialect: Option<String>,
     /// Unit of lengths before the first G20 or G21. Default: `mm`, and the answer warns.

@@ -54,7 +54,7 @@ pub struct VerifyRequest {
     /// The text of the program, with its line ends.
     #[schema(max_length = 16_777_216)]
     nc: Option<String>,
-    /// Name of the dialect of `nc`, as listed by `/v1/dialects`. `siemens`, `heidenhain` and `deckel` are not
+    /// Name of the dialect of `nc`, as listed by `/v1/dialects`. `deckel` is not
     /// read. Default: `linuxcnc`.
     #[schema(value_type = Option<DialectName>)]
     dialect: Option<String>,

@@ -13,8 +13,8 @@ use toolpathd_core::toolpath::program::Units;
 #[derive(Debug, Clone, Default, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct ReadQuery {
-    /// Name of the control's dialect, as listed by `/v1/dialects`. `siemens`, `heidenhain` and `deckel` are
-    /// not read. Default: `linuxcnc`.
+    /// Name of the control's dialect, as listed by `/v1/dialects`. `deckel` is not
+    /// read. Default: `linuxcnc`.
     #[param(value_type = Option<DialectName>)]
     pub(super) dialect: Option<String>,
     /// Unit of lengths before the first G20 or G21. Default: `mm`, and the answer warns.

@@ -5,7 +5,8 @@
 //! 2. This module runs lines: calls, returns and repeated sections. `branches` holds jumps and loops, `calls`
 //!    definitions and calls.
 //! 3. `words` reads the words of a block, `codes` says what they mean, `expression` and `values` compute.
-//! 4. `mill` holds the modal state and moves the machine: `motion`, `arcs`, `corner`, `zeros`, `cycles`.
+//! 4. `mill` holds the modal state and moves the machine, with `conditions`, `zeros`, `motion`, `arcs`,
+//!    `corner` and `cycles`.
 //!
 //! # Guarantees
 //! Every run ends: blocks, repeated sections, pecks and calls are counted, and each count has a limit.
@@ -14,9 +15,11 @@
 //! Siemens, *SINUMERIK 840D sl / 828D*: Programming Manuals *Fundamentals*, *Job Planning* and *Cycles*.
 
 mod arcs;
+mod block;
 mod branches;
 mod calls;
 mod codes;
+mod conditions;
 mod corner;
 mod corner_geometry;
 mod cycles;
@@ -24,6 +27,7 @@ mod drilling;
 mod expression;
 mod mill;
 mod motion;
+mod operators;
 mod text;
 mod values;
 mod words;

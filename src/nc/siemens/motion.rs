@@ -1,9 +1,9 @@
 //! What the axis words of a block do: rapids, lines, and the ends of arcs.
 
+use super::block::{Block, From, Given};
 use super::codes::{Meaning, Motion};
 use super::corner::{Corner, Kind, Shape};
 use super::mill::Mill;
-use super::words::{Block, From, Given};
 use crate::block::Line;
 use crate::fault::Fault;
 use crate::machine::At;
@@ -98,8 +98,8 @@ impl<'a> Mill<'a, '_> {
             let [x, y] = self.polar_coordinates(line, block)?;
             (coordinates[a], coordinates[b]) = (Some(x), Some(y));
         }
-        for axis in 0..3 {
-            match coordinates[axis] {
+        for (axis, coordinate) in coordinates.iter().enumerate() {
+            match *coordinate {
                 Some(Coordinate::Relative(mm)) if self.is_stale[axis] && mm != 0.0 => {
                     let span =
                         block.axes[axis].map_or([0, line.text.len()], |given| [given.start, given.end]);
@@ -127,13 +127,13 @@ impl<'a> Mill<'a, '_> {
         self.settle(line);
         let [_, _, normal] = self.machine.plane.axes();
         let mut to = self.machine.at;
-        for axis in 0..3 {
+        for (axis, place) in to.iter_mut().enumerate() {
             let Some(given) = &block.axes[axis] else { continue };
             self.assume_units(line);
             let mm = given.value * self.machine.unit_mm();
             // Without a known length the height of the tip is not known.
             let has_length = axis != normal || self.has_length();
-            to[axis] = self.machine.frames.of_machine(axis, mm).filter(|_| has_length);
+            *place = self.machine.frames.of_machine(axis, mm).filter(|_| has_length);
         }
         if motion == Motion::Rapid {
             self.machine.rapid(line, to);

@@ -3,9 +3,9 @@
 use nalgebra::{Point3, Vector3};
 use toolpathd_core::geometry::plane::Plane;
 
+use super::block::{Block, From, Given};
 use super::codes::{FrameWord, PoleFrom};
 use super::mill::Mill;
-use super::words::{Block, From, Given};
 use crate::block::Line;
 use crate::fault::Fault;
 use crate::placement::{Coordinate, Placement};
@@ -29,7 +29,7 @@ impl<'a> Mill<'a, '_> {
         if let Some(given) = block.value("RPL").filter(|_| word != FrameWord::Turn) {
             return self.refuse(line, [given.start, given.end], Fault::UnusedWord);
         }
-        for given in block.centers.iter().chain(&block.middles).flatten() {
+        if let Some(given) = block.centers.iter().chain(&block.middles).flatten().next() {
             return self.refuse(line, [given.start, given.end], Fault::UnusedWord);
         }
         if adds && !has_words {

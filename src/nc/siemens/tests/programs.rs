@@ -4,8 +4,11 @@ use std::f64::consts::PI;
 
 use super::*;
 
+/// A length in closed form, mm.
+type Length = fn() -> f64;
+
 /// Programs, with the lengths of their cuts, mm.
-pub const PROGRAMS: [(&str, fn() -> f64); 6] = [
+pub const PROGRAMS: [(&str, Length); 6] = [
     (FACING, || 2.0 * (6.0 + 120.0) + 3.0 * 50.0),
     (CONTOUR, || 3.0 * (5.0 + 2.0 * (80.0 + 50.0) - 8.0 * 8.0 + 4.0 * 4.0 * PI)),
     (DRILLING, || 4.0 * 5.0 + 3.0 * (14.0 + 4.0) + 3.0 * 14.0 + 6.0 * 28.0),

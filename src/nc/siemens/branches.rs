@@ -304,7 +304,10 @@ impl<'a> Run<'a, '_> {
         if is_block {
             return Some(start..start + 1);
         }
-        let behind = |label: &Label| labeled(label).iter().find(|own| **own >= start).copied();
+        let behind = |label: &Label| {
+            let lines = labeled(label);
+            lines.get(lines.partition_point(|own| *own < start)).copied()
+        };
         match last {
             Some(label) => behind(label).map(|end| start..end + 1),
             None => match behind(&Label::Name("ENDLABEL".to_owned())) {

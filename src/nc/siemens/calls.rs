@@ -117,10 +117,9 @@ impl<'a> Run<'a, '_> {
     }
 
     fn has_proc(&self, within: &Range<usize>) -> bool {
-        within.clone().any(|index| {
-            let line = self.text.line(index);
-            name_at(line, front(line).end).is_some_and(|(name, _)| name == "PROC")
-        })
+        let mut lines = within.clone().map(|index| self.text.line(index));
+        let first = lines.find(|line| front(line).end < comment_start(line));
+        first.is_some_and(|line| name_at(line, front(line).end).is_some_and(|(name, _)| name == "PROC"))
     }
 
     /// The end of a program: of the whole run, or back to the caller.
@@ -214,6 +213,8 @@ impl<'a> Run<'a, '_> {
         count: Option<usize>,
         values: Vec<Value>,
     ) -> Result<(), Fault> {
+        // Fields take time as blocks do.
+        self.n_blocks += count.unwrap_or(1);
         self.variables.define(name, kind, count)?;
         if values.len() > count.unwrap_or(1) {
             return Err(Fault::BadExpression);

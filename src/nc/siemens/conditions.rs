@@ -25,13 +25,10 @@ impl<'a> Mill<'a, '_> {
                 self.refuse(line, [given.start, given.end], Fault::OutOfRange(given.value));
             }
         }
-        if is_dwell || block.has(Meaning::Limits) {
-            return;
-        }
-        if let Some(given) = feed {
+        if let Some(given) = feed.filter(|_| !is_dwell) {
             self.machine.feed = Some(given.value * self.feed_unit());
         }
-        if let Some(given) = speed {
+        if let Some(given) = speed.filter(|_| !is_dwell && !block.has(Meaning::Limits)) {
             self.machine.speed = Some(given.value);
         }
     }
@@ -114,8 +111,7 @@ impl<'a> Mill<'a, '_> {
 
     /// Refuses words of places beside a code that takes none.
     fn refuse_axes(&mut self, line: Line<'a>, block: &Block) {
-        let words = block.axes.iter().chain(&block.centers).chain(&block.middles).flatten();
-        for given in words {
+        for given in block.axes.iter().flatten() {
             self.machine.refuse(line.refusal(given.start, given.end, Fault::UnusedWord));
         }
     }

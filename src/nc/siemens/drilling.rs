@@ -28,7 +28,17 @@ impl<'a> Mill<'a, '_> {
         }
         self.settle(line);
         self.tangent = None;
-        let Some(heights) = self.heights(line, cycle) else { return self.lose_place() };
+        let n_refusals = self.machine.refusals.len();
+        self.make_hole(line, cycle);
+        if self.machine.refusals.len() > n_refusals {
+            // The next hole would be refused for the same reason.
+            self.modal_cycle = None;
+            self.lose_place();
+        }
+    }
+
+    fn make_hole(&mut self, line: Line<'a>, cycle: &Cycle) {
+        let Some(heights) = self.heights(line, cycle) else { return };
         self.fall(line, heights.start);
         let at = self.machine.at;
         if self.machine.ends(line, &at).is_none() {

@@ -100,7 +100,8 @@ impl Reader<'_, '_> {
             return Err(Fault::NoNumber);
         }
         // EX and a whole number are a power of ten.
-        let rest = self.text[self.at..].to_ascii_uppercase();
+        let rest = &self.text[self.at..];
+        let rest = rest[..rest.len().min(7)].to_ascii_uppercase();
         let sign = usize::from(matches!(rest.get(2), Some(b'-' | b'+')));
         let digits = rest.iter().skip(2 + sign).take_while(|c| c.is_ascii_digit()).count();
         if rest.starts_with(b"EX") && (1..=3).contains(&digits) {

@@ -180,7 +180,12 @@ impl<'a, 'm> Mill<'a, 'm> {
         for given in unused {
             self.machine.refuse(is_of(&given, Fault::UnusedWord));
         }
-        if let Some(given) = block.values.values().find(|given| given.from == From::Circle) {
+        // AC and IC stand before polar coordinates alone.
+        let is_polar = |name: &str| matches!(name, "AP" | "RP");
+        let is_wrong = |name: &str, given: &Given| {
+            given.from == From::Circle || given.from != From::Mode && !is_polar(name)
+        };
+        if let Some((_, given)) = block.values.iter().find(|(name, given)| is_wrong(name, given)) {
             self.machine.refuse(is_of(given, Fault::BadExpression));
         }
     }
@@ -248,7 +253,6 @@ impl<'a, 'm> Mill<'a, 'm> {
                 self.machine.frames.place_zero(number, axis, mm, &mut self.machine.at);
             }
         }
-        let is_same = number == self.machine.frames.active() && (self.has_selected || !self.has_moved);
         self.machine.frames.select(number, &mut self.machine.at);
         if !self.has_selected && self.has_moved {
             // What was in force before is a setting of the control.
@@ -259,14 +263,17 @@ impl<'a, 'm> Mill<'a, 'm> {
             self.machine.note(Note::UnrelatedOffset { line: line.number, offset: name(number) });
         }
         self.has_selected = true;
-        if !is_same || shifts != [0, 1, 2].map(|axis| self.machine.frames.shift(axis)) {
-            self.change_zero();
+        let frames = self.machine.frames.frame();
+        let has_moved = |k: usize| before[k] != frames[k] || shifts[k] != self.machine.frames.shift(k);
+        let moved = [0, 1, 2].map(has_moved);
+        if moved.contains(&true) {
+            self.change_zero(moved);
         }
     }
 
     /// The zero of the program has moved.
-    pub(super) fn change_zero(&mut self) {
-        self.is_stale = [true; 3];
+    pub(super) fn change_zero(&mut self, axes: [bool; 3]) {
+        self.is_stale = [0, 1, 2].map(|k| self.is_stale[k] || axes[k]);
         self.tangent = None;
         if self.pole != Some([0.0; 2]) {
             self.pole = None;
@@ -276,7 +283,17 @@ impl<'a, 'm> Mill<'a, 'm> {
 
     /// What the axis words of a block do.
     fn act(&mut self, line: Line<'a>, block: &Block) {
-        for (meaning, span) in &block.codes {
+        self.set_rounding(line, block);
+        let action = block.codes.iter().find(|(meaning, _)| {
+            use Meaning::*;
+            matches!(meaning, Dwell | Home | Limits | Frame { .. } | Pole(_) | Transformation)
+        });
+        if let Some((meaning, span)) = action {
+            let used: &[&str] = if matches!(meaning, Meaning::Pole(_)) { &["AP", "RP"] } else { &[] };
+            self.refuse_values(line, block, used);
+            for given in block.centers.iter().chain(&block.middles).flatten() {
+                self.refuse(line, [given.start, given.end], Fault::UnusedWord);
+            }
             match meaning {
                 Meaning::Dwell => return self.dwell(line, block, *span),
                 Meaning::Home => return self.go_home(line, block),
@@ -315,8 +332,12 @@ impl<'a, 'm> Mill<'a, 'm> {
 
     /// Coordinates of the program in the work offset, by a placement or as they are.
     pub(super) fn set_placement(&mut self, placement: Placement) {
-        self.machine.placement = placement;
-        self.change_zero();
+        let before = std::mem::replace(&mut self.machine.placement, placement);
+        let differs = |k: usize| {
+            let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            corners.iter().any(|p| before.place(&p.map(Some))[k] != placement.place(&p.map(Some))[k])
+        };
+        self.change_zero([0, 1, 2].map(differs));
     }
 
     /// One coordinate of a block, mm.

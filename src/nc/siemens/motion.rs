@@ -15,7 +15,6 @@ pub(super) const NO_WAY_MM: f64 = 1e-9;
 impl<'a> Mill<'a, '_> {
     /// Moves as the words of the block say. Whether the block moves.
     pub(super) fn move_by(&mut self, line: Line<'a>, block: &Block) -> bool {
-        self.set_rounding(line, block);
         let is_polar = block.value("AP").is_some() || block.value("RP").is_some();
         let is_arc = matches!(self.motion, Some(Motion::Arc(_)));
         let in_plane = self.machine.plane.axes();
@@ -24,14 +23,8 @@ impl<'a> Mill<'a, '_> {
         let motion = self.motion.filter(|_| moves);
         self.refuse_unused(line, block, motion);
         if !moves {
-            let needs_place = |meaning: &Meaning| {
-                matches!(
-                    meaning,
-                    Meaning::OnMachine | Meaning::Motion(Motion::ThroughPoint | Motion::Tangent)
-                )
-            };
-            if let Some((Meaning::OnMachine, span)) = block.codes.iter().find(|(m, _)| needs_place(m)) {
-                self.refuse(line, *span, Fault::NoAxis);
+            if block.has(Meaning::OnMachine) {
+                self.machine.left.add("G53, G153 or SUPA", line.number);
             }
             return false;
         }
@@ -66,15 +59,24 @@ impl<'a> Mill<'a, '_> {
             Some(Motion::Arc(_)) => &["AP", "RP", "CR", "AR", "TURN", "RND", "CHF", "CHR", "FRC"],
             Some(_) => &["AP", "RP", "RND", "CHF", "CHR", "FRC"],
         };
-        let is_unused = |name: &str| !used.contains(&name) && !["RNDM", "FRCM", "FP", "RPL"].contains(&name);
-        let mut unused: Vec<Given> =
-            block.values.iter().filter(|(name, _)| is_unused(name)).map(|(_, given)| *given).collect();
+        self.refuse_values(line, block, used);
+        let mut unused: Vec<Given> = Vec::new();
         if !matches!(motion, Some(Motion::Arc(_))) {
             unused.extend(block.centers.iter().flatten());
         }
         if motion != Some(Motion::ThroughPoint) {
             unused.extend(block.middles.iter().flatten());
         }
+        for given in unused {
+            self.refuse(line, [given.start, given.end], Fault::UnusedWord);
+        }
+    }
+
+    /// Refuses values that are not among the used ones.
+    pub(super) fn refuse_values(&mut self, line: Line<'a>, block: &Block, used: &[&str]) {
+        let is_unused = |name: &str| !used.contains(&name) && !["RNDM", "FRCM", "FP", "RPL"].contains(&name);
+        let mut unused: Vec<Given> =
+            block.values.iter().filter(|(name, _)| is_unused(name)).map(|(_, given)| *given).collect();
         unused.sort_by_key(|given| given.start);
         for given in unused {
             self.refuse(line, [given.start, given.end], Fault::UnusedWord);
@@ -161,7 +163,7 @@ impl<'a> Mill<'a, '_> {
     }
 
     /// RNDM and FRCM hold until they are zero.
-    fn set_rounding(&mut self, line: Line<'a>, block: &Block) {
+    pub(super) fn set_rounding(&mut self, line: Line<'a>, block: &Block) {
         for (name, is_feed) in [("RNDM", false), ("FRCM", true)] {
             let Some(given) = block.value(name) else { continue };
             if given.value < 0.0 || given.from != From::Mode {

@@ -53,6 +53,8 @@ pub struct Front {
 pub struct Text<'a> {
     lines: Vec<&'a [u8]>,
     programs: Vec<Program>,
+    /// The index of each program by its name.
+    names: HashMap<String, usize>,
     /// The lines of each label, in order.
     labels: HashMap<Label, Vec<usize>>,
     /// The line that belongs to a line of a branch or a loop: of IF its ELSE or ENDIF, of the others the
@@ -74,8 +76,12 @@ impl<'a> Text<'a> {
             rest = rest.get(end + if ends_twice { 2 } else { 1 }..).unwrap_or_default();
         }
         let programs = programs(&lines);
+        let mut names = HashMap::new();
+        for (index, program) in programs.iter().enumerate() {
+            names.entry(program.name.clone()).or_insert(index);
+        }
         let mut text =
-            Self { lines, programs, labels: HashMap::new(), partners: HashMap::new(), has_m6: false };
+            Self { lines, programs, names, labels: HashMap::new(), partners: HashMap::new(), has_m6: false };
         text.find_places();
         text
     }
@@ -99,7 +105,7 @@ impl<'a> Text<'a> {
     pub fn program(&self, name: &str) -> Option<Range<usize>> {
         let short = name.strip_suffix("_SPF").or(name.strip_suffix("_MPF")).unwrap_or(name);
         let short = short.strip_prefix("_N_").unwrap_or(short);
-        self.programs.iter().find(|program| program.name == short).map(|program| program.lines.clone())
+        self.names.get(short).map(|index| self.programs[*index].lines.clone())
     }
 
     /// The lines of this label in `within`.
@@ -214,10 +220,10 @@ fn proc_name(line: &[u8]) -> Option<String> {
 fn has_m6(words: &[u8]) -> bool {
     let is_end = |at: usize| !words.get(at).is_some_and(u8::is_ascii_alphanumeric);
     let begins = |at: usize| at == 0 || !words[at - 1].is_ascii_alphabetic() && words[at - 1] != b'_';
-    (0..words.len()).any(|at| {
-        let rest = words[at..].to_ascii_uppercase();
-        begins(at)
-            && (rest.starts_with(b"M6") && is_end(at + 2) || rest.starts_with(b"M06") && is_end(at + 3))
+    (0..words.len()).any(|at| match &words[at..] {
+        [b'M' | b'm', b'6', ..] => begins(at) && is_end(at + 2),
+        [b'M' | b'm', b'0', b'6', ..] => begins(at) && is_end(at + 3),
+        _ => false,
     })
 }
 

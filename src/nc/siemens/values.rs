@@ -57,7 +57,7 @@ pub struct Variables {
     calls: Vec<HashMap<String, Defined>>,
     n_defined: usize,
     /// Set by the block that runs.
-    fresh: Vec<Variable>,
+    fresh: HashSet<Variable>,
     /// Variables whose value has been refused.
     lost: HashSet<Variable>,
     /// Whether the block that runs has met one of these.
@@ -165,16 +165,19 @@ impl Variables {
     /// Defines a variable, or a field of `count` elements.
     ///
     /// # Errors
-    /// When the field is too large.
+    /// When the field is too large, or the name is defined already.
     pub fn define(&mut self, name: &str, kind: Kind, count: Option<usize>) -> Result<(), Fault> {
         let n = count.unwrap_or(1);
         if n == 0 || n > MAX_ELEMENTS || self.n_defined + n > MAX_VARIABLES {
             return Err(Fault::OutOfRange(n as f64));
         }
+        if self.is_defined(name) {
+            return Err(Fault::BadExpression);
+        }
         let Some(call) = self.calls.last_mut() else { return Ok(()) };
         let defined = Defined { kind, is_field: count.is_some(), values: vec![kind.nothing(); n] };
-        let before = call.insert(name.to_owned(), defined).map_or(0, |before| before.values.len());
-        self.n_defined = self.n_defined + n - before;
+        call.insert(name.to_owned(), defined);
+        self.n_defined += n;
         Ok(())
     }
 
@@ -219,9 +222,7 @@ impl Variables {
             }
         }
         self.lost.remove(variable);
-        if !self.fresh.contains(variable) {
-            self.fresh.push(variable.clone());
-        }
+        self.fresh.insert(variable.clone());
         Ok(())
     }
 }

@@ -145,7 +145,8 @@ impl Scanner<'_, '_> {
             Meaning::Transformation => {
                 self.refuse(start, Fault::NotRead);
                 // Its parameters name a set of data.
-                if self.text.get(self.at) == Some(&b'(') {
+                if self.text.get(blanks(self.text, self.at)) == Some(&b'(') {
+                    self.at = blanks(self.text, self.at);
                     self.skip_nested(b'(', b')')?;
                 }
             }

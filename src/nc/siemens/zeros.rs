@@ -29,9 +29,6 @@ impl<'a> Mill<'a, '_> {
         if let Some(given) = block.value("RPL").filter(|_| word != FrameWord::Turn) {
             return self.refuse(line, [given.start, given.end], Fault::UnusedWord);
         }
-        if let Some(given) = block.centers.iter().chain(&block.middles).flatten().next() {
-            return self.refuse(line, [given.start, given.end], Fault::UnusedWord);
-        }
         if adds && !has_words {
             return self.refuse(line, span, Fault::NoAxis);
         }
@@ -115,7 +112,8 @@ impl<'a> Mill<'a, '_> {
             }
             _ => return self.machine.refuse(line.refused(Fault::Conflict)),
         };
-        if let Some(given) = block.axes.iter().flatten().find(|given| given.from != From::Mode) {
+        let mut words = block.axes.iter().chain(&polar).flatten();
+        if let Some(given) = words.find(|given| given.from != From::Mode) {
             return self.refuse(line, [given.start, given.end], Fault::BadExpression);
         }
         if block.has_axes() || polar[1].is_some() {

@@ -107,6 +107,9 @@ const GRBL_RADIUS: RadiusRule = RadiusRule { mm: 0.005, mm_in_inches: 0.005, rel
 /// 0.056 mm in a program in inches. A smaller limit would refuse such programs.
 const FANUC_RADIUS: RadiusRule = RadiusRule { mm: 0.02, mm_in_inches: 0.06, relative: 1e-3, most_mm: 0.5 };
 
+/// Alarm 14040: machine data 21000 (0.01 mm) and 21010 (0.1 %), of which the larger counts.
+const SIEMENS_RADIUS: RadiusRule = RadiusRule { mm: 0.01, mm_in_inches: 0.01, relative: 1e-3, most_mm: 1.0 };
+
 const FANUC: Control = Control {
     name: "fanuc",
     family: Family::Fanuc,
@@ -144,8 +147,22 @@ const LINUXCNC: Control = Control {
     ..FANUC
 };
 
+const SIEMENS: Control = Control {
+    name: "siemens",
+    family: Family::Siemens,
+    without_point: WithoutPoint::Units,
+    points_matter: false,
+    dwell: DwellTime::Seconds,
+    dwell_letters: b"F",
+    radius: SIEMENS_RADIUS,
+    language: Language::None,
+    // Without interpolation (RTLIOF) each axis runs at its own speed.
+    runs_straight: false,
+    ..FANUC
+};
+
 /// All controls whose programs are read, by the names of dialects.
-pub const CONTROLS: [Control; 8] = [
+pub const CONTROLS: [Control; 9] = [
     LINUXCNC,
     FANUC,
     Control {
@@ -193,6 +210,7 @@ pub const CONTROLS: [Control; 8] = [
         starts_rapid: true,
         ..LINUXCNC
     },
+    SIEMENS,
 ];
 
 impl Control {
@@ -223,6 +241,8 @@ mod tests {
         let grbl = Control::named("grbl").unwrap();
         let allowed = [1.0, 100.0, 1e6].map(|radius| grbl.radius.allowed_mm(radius, false));
         assert_eq!(allowed, [0.005, 0.1, 0.5]);
-        assert!(Control::named("siemens").is_none());
+        let siemens = Control::named("siemens").unwrap();
+        let allowed = [1.0, 100.0, 1e6].map(|radius| siemens.radius.allowed_mm(radius, false));
+        assert_eq!(allowed, [0.01, 0.1, 1.0]);
     }
 }

@@ -72,6 +72,22 @@ pub enum Fault {
     InCompensation,
     #[error("cutter compensation changes the path by the tool of the machine")]
     Compensation,
+    #[error("a corner word needs two cuts in one plane, one right after the other, on which the corner fits")]
+    NoCorner,
+    #[error("the pole, the polar angle or the polar radius is not known")]
+    NoPole,
+    #[error("the direction of the path before the arc is not known, or the arc has none")]
+    NoTangent,
+    #[error("this version reads arcs in planes of two axes only")]
+    TiltedArc,
+    #[error(
+        "a way right after a change of the zero depends on a setting of the control: write an absolute place"
+    )]
+    IncrementOfNewZero,
+    #[error("the parameter {0} of the cycle is missing, contradicts another, or is not read")]
+    CycleParameter(&'static str),
+    #[error("the same block sets the variable that it reads")]
+    SetInBlock,
     #[error("Z of the cycle lies above its R")]
     CycleUpward,
     #[error("the work offset is not known")]

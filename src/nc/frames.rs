@@ -186,6 +186,8 @@ pub fn name(number: u32) -> String {
     match number {
         1..=6 => format!("G{}", 53 + number),
         7..=9 => format!("G59.{}", number - 6),
+        // Those of SINUMERIK.
+        500..=599 => format!("G{number}"),
         _ => format!("G54.1 P{}", number.saturating_sub(EXTENDED)),
     }
 }

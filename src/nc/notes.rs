@@ -49,6 +49,14 @@ pub enum Note {
         "neither G90.1 nor G91.1 stands before the arc of line {line}: the distance of its centre is the one that fits"
     )]
     CentersAssumed { line: usize },
+    #[error(
+        "no code for the unit of lengths stands before line {line}: lengths there count as {units}, the unit of the control"
+    )]
+    BasicUnits { line: usize, units: &'static str },
+    #[error(
+        "line {line} leaves the plane G17 with a tool: its length is taken to stay along Z, which a setting of the control decides"
+    )]
+    LengthAxisAssumed { line: usize },
     #[error("tap and spindle of the cycle in line {line} are taken to follow the feed")]
     Tapping { line: usize },
 }

@@ -1,20 +1,204 @@
-//! Programs of SINUMERIK.
+//! Programs of SINUMERIK 840D and 828D for milling: what the control would do with the text.
+//!
+//! # Method
+//! 1. `text` divides the text into programs and lines, and finds labels and the ends of loops.
+//! 2. This module runs lines: calls, returns and repeated sections. `branches` holds jumps and loops, `calls`
+//!    definitions and calls.
+//! 3. `words` reads the words of a block, `codes` says what they mean, `expression` and `values` compute.
+//! 4. `mill` holds the modal state and moves the machine, with `conditions`, `zeros`, `motion`, `arcs`,
+//!    `corner` and `cycles`.
+//!
+//! # Guarantees
+//! Every run ends: blocks, repeated sections, pecks and calls are counted, and each count has a limit.
+//!
+//! # Reference
+//! Siemens, *SINUMERIK 840D sl / 828D*: Programming Manuals *Fundamentals*, *Job Planning* and *Cycles*.
+
+mod arcs;
+mod block;
+mod branches;
+mod calls;
+mod codes;
+mod conditions;
+mod corner;
+mod corner_geometry;
+mod cycles;
+mod drilling;
+mod expression;
+mod mill;
+mod motion;
+mod operators;
+mod text;
+mod values;
+mod words;
+mod zeros;
+
+use std::collections::HashMap;
+use std::ops::Range;
 
 use toolpathd_core::budget::{Budget, Stopped};
 
 use super::Ran;
+use super::block::Line;
+use super::fault::{Fault, Refusal};
+use super::flow::MAX_BLOCKS;
 use super::machine::Machine;
+use calls::Call;
+use mill::{Mill, Next};
+use text::{Text, comment_start, front};
+use values::Variables;
+
+/// Blocks between two checks of the budget.
+const BLOCKS_BETWEEN_CHECKS: usize = 1024;
+
+/// A program on its way.
+struct Run<'a, 'm> {
+    mill: Mill<'a, 'm>,
+    text: Text<'a>,
+    variables: Variables,
+    /// The index of the line that runs next.
+    next: usize,
+    /// The lines of the program that runs.
+    within: Range<usize>,
+    calls: Vec<Call>,
+    repeats: Vec<Repeat>,
+    /// The end values of FOR loops, by their lines.
+    loop_ends: HashMap<usize, f64>,
+    n_blocks: usize,
+    has_ended: bool,
+    skips_optional: bool,
+}
+
+/// A section that REPEAT runs again.
+struct Repeat {
+    lines: Range<usize>,
+    /// How often the section begins again.
+    again: u32,
+    back: usize,
+    n_calls: usize,
+}
 
 /// Runs a program to its end, or to where no sense can be made of it.
 ///
 /// # Errors
 /// When the budget ends.
 pub fn run<'a>(
-    _machine: &mut Machine<'a>,
-    _text: &'a [u8],
-    _skips_optional: bool,
+    machine: &mut Machine<'a>,
+    text: &'a [u8],
+    skips_optional: bool,
     budget: &Budget,
 ) -> Result<Ran, Stopped> {
-    budget.check()?;
-    Ok(Ran { n_lines: 0, n_blocks: 0 })
+    let text = Text::new(text);
+    let n_lines = text.len();
+    let within = text.main();
+    let run = Run {
+        mill: Mill::new(machine, !text.has_m6),
+        text,
+        variables: Variables::new(),
+        next: within.start,
+        within,
+        calls: Vec::new(),
+        repeats: Vec::new(),
+        loop_ends: HashMap::new(),
+        n_blocks: 0,
+        has_ended: false,
+        skips_optional,
+    };
+    Ok(Ran { n_lines, n_blocks: run.run_to_end(budget)? })
 }
+
+impl<'a> Run<'a, '_> {
+    /// The number of blocks that have run.
+    fn run_to_end(mut self, budget: &Budget) -> Result<usize, Stopped> {
+        let total = self.text.len();
+        while !self.has_ended && !self.mill.machine.is_full() && !self.mill.has_too_many() {
+            if self.n_blocks.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
+                budget.check()?;
+                budget.progress("reading", self.next.min(total), total);
+            }
+            self.n_blocks += 1;
+            if self.n_blocks > MAX_BLOCKS {
+                let line = self.line(self.next.min(total.saturating_sub(1)));
+                self.stop(line.refused(Fault::Endless(MAX_BLOCKS)));
+                break;
+            }
+            if self.repeat_section() {
+                continue;
+            }
+            if self.next >= self.within.end {
+                self.end_program();
+                continue;
+            }
+            let index = self.next;
+            self.next += 1;
+            self.step(index);
+        }
+        let line = self.line(self.next.saturating_sub(1));
+        self.mill.finish_corner();
+        self.mill.settle(line);
+        Ok(self.n_blocks)
+    }
+
+    fn line(&self, index: usize) -> Line<'a> {
+        Line { number: index + 1, text: self.text.line(index) }
+    }
+
+    /// Refuses what makes all that follows meaningless.
+    fn stop(&mut self, refusal: Refusal) {
+        self.mill.machine.refuse(refusal);
+        self.has_ended = true;
+    }
+
+    /// Refuses a part of a line, unless its cause has been refused before. Nothing can follow.
+    fn stop_at(&mut self, line: Line<'a>, start: usize, end: usize, fault: Fault) {
+        if self.variables.has_met_lost() {
+            self.has_ended = true;
+        } else {
+            self.stop(line.refusal(start, end, fault));
+        }
+    }
+
+    /// At the end of a section that repeats: back to its start, or on behind it. A jump out of the section
+    /// ends it.
+    fn repeat_section(&mut self) -> bool {
+        let (next, n_calls) = (self.next, self.calls.len());
+        let Some(repeat) = self.repeats.last_mut().filter(|repeat| repeat.n_calls == n_calls) else {
+            return false;
+        };
+        if next == repeat.lines.end {
+            if repeat.again > 0 {
+                repeat.again -= 1;
+                self.next = repeat.lines.start;
+            } else {
+                self.next = repeat.back;
+                self.repeats.pop();
+            }
+            return true;
+        }
+        if !repeat.lines.contains(&next) {
+            self.repeats.pop();
+            return true;
+        }
+        false
+    }
+
+    fn step(&mut self, index: usize) {
+        let line = self.line(index);
+        let front = front(line.text);
+        let is_skipped = front.is_optional && self.skips_optional;
+        if is_skipped || front.end >= comment_start(line.text) {
+            return;
+        }
+        self.variables.begin_block();
+        if self.branch(line, index, front.end) || self.call_or_define(line, index, front.end) {
+            return;
+        }
+        let block = words::scan(line, front.end, &mut self.variables, &mut self.mill.machine.left);
+        if self.mill.run(line, &block) == Next::End {
+            self.end_program();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

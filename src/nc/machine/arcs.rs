@@ -102,6 +102,7 @@ impl Machine<'_> {
 
     /// An arc to `to` of a radius of the program, mm; a negative one makes the longer arc. `span` is where the
     /// radius stands in the line.
+    #[allow(dead_code)]
     pub(crate) fn arc_of_radius(
         &mut self,
         line: Line<'_>,

@@ -105,6 +105,10 @@ const GRBL_RADIUS: RadiusRule = RadiusRule { mm: 0.005, mm_in_inches: 0.005, rel
 /// 0.056 mm in a program in inches. A smaller limit would refuse such programs.
 const FANUC_RADIUS: RadiusRule = RadiusRule { mm: 0.02, mm_in_inches: 0.06, relative: 1e-3, most_mm: 0.5 };
 
+/// TNC 320, *User's Manual*, 340 55x-03, p. 155: the machine parameter circleDeviation.
+const KLARTEXT_RADIUS: RadiusRule =
+    RadiusRule { mm: 0.016, mm_in_inches: 0.016, relative: 0.0, most_mm: 0.016 };
+
 const FANUC: Control = Control {
     name: "fanuc",
     family: Family::Fanuc,
@@ -142,7 +146,7 @@ const LINUXCNC: Control = Control {
 };
 
 /// All controls whose programs are read, by the names of dialects.
-pub const CONTROLS: [Control; 8] = [
+pub const CONTROLS: [Control; 9] = [
     LINUXCNC,
     FANUC,
     Control { name: "haas", dwell: DwellTime::ByPoint, dwell_letters: b"P", ..FANUC },
@@ -184,6 +188,19 @@ pub const CONTROLS: [Control; 8] = [
         starts_rapid: true,
         ..LINUXCNC
     },
+    Control {
+        name: "heidenhain",
+        family: Family::Klartext,
+        without_point: WithoutPoint::Units,
+        points_matter: false,
+        dwell: DwellTime::Seconds,
+        radius: KLARTEXT_RADIUS,
+        // Q parameters, which `klartext` reads itself.
+        language: Language::None,
+        // END PGM.
+        needs_end: true,
+        ..FANUC
+    },
 ];
 
 impl Control {
@@ -214,6 +231,8 @@ mod tests {
         let grbl = Control::named("grbl").unwrap();
         let allowed = [1.0, 100.0, 1e6].map(|radius| grbl.radius.allowed_mm(radius, false));
         assert_eq!(allowed, [0.005, 0.1, 0.5]);
+        let klartext = Control::named("heidenhain").unwrap();
+        assert_eq!([1.0, 1e6].map(|radius| klartext.radius.allowed_mm(radius, true)), [0.016; 2]);
         assert!(Control::named("siemens").is_none());
     }
 }

@@ -102,6 +102,7 @@ impl Machine<'_> {
 
     /// An arc to `to` of a radius of the program, mm; a negative one makes the longer arc. `span` is where the
     /// radius stands in the line.
+    #[allow(dead_code)]
     pub(crate) fn arc_of_radius(
         &mut self,
         line: Line<'_>,
@@ -153,7 +154,7 @@ impl Machine<'_> {
     }
 
     /// The centre at a distance from both ends.
-    fn center_by_radius(
+    pub(crate) fn center_by_radius(
         &mut self,
         line: Line<'_>,
         [word, word_end]: [usize; 2],

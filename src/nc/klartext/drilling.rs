@@ -42,6 +42,8 @@ pub struct Drilling {
     infeed: f64,
     /// Where the rapid down the hole ends, above the bottom of the last infeed.
     stop: f64,
+    /// The distance is the clearance, whatever that is.
+    stops_at_clearance: bool,
     top_s: f64,
     bottom_s: f64,
     /// `None` for a rapid.
@@ -105,6 +107,7 @@ impl Drilling {
             rate,
             infeed,
             stop,
+            stops_at_clearance: number != 205,
             top_s: positive(own(210))?,
             bottom_s: positive(own(211))?,
             out,
@@ -147,12 +150,23 @@ impl Drilling {
             infeed,
             // TNC 426, *User's Manual*: 0.6 mm up to a depth of 30 mm, then a fiftieth of it up to 7 mm.
             stop: if depth <= 30.0 { 0.6 } else { (depth / 50.0).min(7.0) },
+            stops_at_clearance: false,
             top_s: 0.0,
             bottom_s,
             out: (number != 1).then_some(rate),
             is_tapping: number != 1,
             values: Values::new(),
         })
+    }
+}
+
+impl Drilling {
+    /// Puts the surface and the clearances of a pattern in the place of its own.
+    pub fn place(&mut self, surface: f64, clearance: f64, second: f64) {
+        if self.stops_at_clearance {
+            self.stop = clearance;
+        }
+        (self.surface, self.clearance, self.second) = (Some(surface), clearance, second);
     }
 }
 
@@ -196,13 +210,18 @@ impl<'a> Execution<'a, '_> {
 
     /// Makes a hole where the tool stands, with the surface raised by `raised_mm`.
     pub(super) fn make_hole(&mut self, block: &Block<'a>, drilling: &Drilling, raised_mm: f64) {
-        let is_unchanged = |(own, value): (&u16, &f64)| {
-            self.parameters.get(Key::of_cycle(*own)).is_ok_and(|now| now == *value)
-        };
-        if !drilling.values.iter().all(is_unchanged) {
+        if self.has_changed(drilling, &[]) {
             return self.refuse_block(block, Fault::ChangedCycle);
         }
         self.drill(block, drilling, raised_mm);
+    }
+
+    /// Whether a parameter of a cycle, other than `replaced`, has changed since its definition.
+    pub(super) fn has_changed(&self, drilling: &Drilling, replaced: &[u16]) -> bool {
+        let values = drilling.values.iter().filter(|(own, _)| !replaced.contains(own));
+        let is_now =
+            |own: u16, value: f64| self.parameters.get(Key::of_cycle(own)).is_ok_and(|now| now == value);
+        values.into_iter().any(|(own, value)| !is_now(*own, *value))
     }
 
     /// Drills where the tool stands.

@@ -6,7 +6,7 @@
 //!
 //! # Guarantees
 //! What controls of different age compute in different ways is refused: a power of a power, of a negated
-//! operand or of a function without parentheses, the sign of zero, and the remainder of a negative number.
+//! base or of a function without parentheses, the sign of zero, and the remainder of a negative number.
 
 use super::cursor::{Broken, Cursor};
 use super::parameters::Parameters;
@@ -99,12 +99,12 @@ impl Formula<'_, '_> {
         if !self.cursor.take(b'^') {
             return Ok(base.value);
         }
-        let exponent = self.operand(depth)?;
+        let exponent = self.operand(depth)?.value;
         self.cursor.skip_blanks();
-        if !base.is_plain || !exponent.is_plain || self.cursor.peek() == Some(b'^') {
+        if !base.is_plain || self.cursor.peek() == Some(b'^') {
             return Err(self.broken(start, Fault::BadExpression));
         }
-        self.checked(start, base.value.powf(exponent.value))
+        self.checked(start, base.value.powf(exponent))
     }
 
     fn operand(&mut self, depth: usize) -> Result<Operand, Broken> {
@@ -207,7 +207,7 @@ impl Formula<'_, '_> {
             _ => "",
         };
         self.cursor.skip_blanks();
-        if !self.cursor.letters(operator) && !(function == 4 && self.cursor.take(b'/')) {
+        if !(self.cursor.letters(operator) || function == 4 && self.cursor.take(b'/')) {
             return Err(self.broken(start, Fault::BadExpression));
         }
         let b = if operator.is_empty() { 0.0 } else { self.cursor.value(self.parameters)? };
@@ -267,6 +267,7 @@ mod tests {
             ("LN EXP 2 + LOG 1000", 5.0),
             ("NEG 3 + SGN -2 + SQRT 16", 0.0),
             ("400 % 360", 40.0),
+            ("10 ^ -1 + 2 ^ NEG 1", 0.6),
             ("2 * PI / 2", std::f64::consts::PI),
         ] {
             let found = value(text).unwrap();

@@ -179,9 +179,9 @@ impl<'a> Execution<'a, '_> {
         let Some(target) = self.label(block, cursor) else { return };
         cursor.skip_blanks();
         let start = cursor.at;
-        let mut times = 0.0;
+        let mut times = None;
         if cursor.letters("REP") && !cursor.is_done() {
-            times = match cursor.value(&self.parameters) {
+            let value = match cursor.value(&self.parameters) {
                 Ok(times) => times,
                 Err(broken) => {
                     self.refuse_broken(block, broken);
@@ -189,19 +189,20 @@ impl<'a> Execution<'a, '_> {
                     return;
                 }
             };
+            times = Some(value);
             // Older controls show `REP 5/5`: repeats, and those that are left.
             if cursor.take(b'/') {
                 cursor.whole();
             }
         }
-        if !(0.0..=MAX_REPEATS).contains(&times) || times.fract() != 0.0 {
-            return self.stop(block.refusal(start, cursor.at, Fault::OutOfRange(times)));
-        }
+        let span = [start, cursor.at];
         self.expect_end(block, cursor);
-        if times == 0.0 {
-            self.call_label(block, target);
-        } else {
-            self.repeat(block, target, times as u32);
+        match times {
+            None => self.call_label(block, target),
+            Some(times) if (1.0..=MAX_REPEATS).contains(&times) && times.fract() == 0.0 => {
+                self.repeat(block, target, times as u32);
+            }
+            Some(times) => self.stop(block.refusal(span[0], span[1], Fault::OutOfRange(times))),
         }
     }
 }

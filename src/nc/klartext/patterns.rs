@@ -191,9 +191,10 @@ impl<'a> Execution<'a, '_> {
         else {
             return self.machine.refuse_state(block.line(), Fault::UnknownStart('Z'));
         };
-        drilling.surface = Some(top);
-        drilling.clearance = clearance;
-        drilling.second = if own(301) == 1.0 { second } else { 0.0 };
+        if self.has_changed(&drilling, &[200, 203, 204]) {
+            return self.refuse_block(block, Fault::ChangedCycle);
+        }
+        drilling.place(top, clearance, if own(301) == 1.0 { second } else { 0.0 });
         self.run_at(block, &drilling, &places, Heights { first, between });
         if !at_second {
             self.machine.at[self.machine.plane.axes()[2]] = None;

@@ -57,7 +57,7 @@ impl<'a> Execution<'a, '_> {
             return None;
         };
         let [Some(a), Some(b)] = pole.at else {
-            self.machine.refuse_state(block.line(), Fault::UnknownStart('C'));
+            self.machine.refuse_state(block.line(), Fault::Lacks("a pole whose place is known"));
             return None;
         };
         Some((pole, Vector2::new(a, b)))

@@ -156,7 +156,7 @@ fn places_of_the_machine_are_known_only_if_zeros_are() {
     let offsets = [(1, [-100.0, -50.0, -20.0])];
     let reading = read(&ReadJob { offsets: &offsets, ..job(&text) }, &Budget::unlimited()).unwrap();
     assert_eq!(reading.end, [Some(90.0), Some(30.0), None]);
-    assert_eq!(of("L X+5 FMAX M92\nL Z+3 FMAX").end, [None, Some(0.0), Some(3.0)]);
+    assert_eq!(of("L Y+0 X+1\nL X+5 FMAX M92\nL Z+3 FMAX").end, [None, Some(0.0), Some(3.0)]);
     assert_eq!(of("L Z-5\nL M140 MB MAX FMAX").end, [Some(0.0), Some(0.0), None]);
 }
 

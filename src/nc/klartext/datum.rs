@@ -123,7 +123,8 @@ impl<'a> Execution<'a, '_> {
         self.transform(block, Transform::Shift(shift));
     }
 
-    pub(super) fn reset_shift(&mut self, block: &Block<'a>) {
+    pub(super) fn reset_shift(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
+        self.expect_end(block, cursor);
         self.transform(block, Transform::Shift([0.0; 3]));
     }
 

@@ -128,6 +128,11 @@ impl<'a> Execution<'a, '_> {
         if start > cursor.at && matches!(text[start - 1], b'+' | b'-') {
             start -= 1;
         }
+        let name = &text[cursor.at..start];
+        if name.iter().any(|c| c.is_ascii_digit() || matches!(c, b'+' | b'-')) {
+            self.refuse(block, [cursor.at, text.len()], Fault::UnusedWord);
+            return None;
+        }
         let mut tail = Cursor { at: start, ..*cursor };
         match tail.value(&self.parameters) {
             Ok(value) => Some((value, [start, tail.at])),
@@ -142,7 +147,10 @@ impl<'a> Execution<'a, '_> {
     fn name_program(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
         cursor.phrase("PGM");
         match cursor.name() {
-            Some(name) => self.cycle = Some(Cycle::Program(name)),
+            Some(name) => {
+                self.expect_end(block, cursor);
+                self.cycle = Some(Cycle::Program(name));
+            }
             None => self.refuse_block(block, Fault::NoProgram),
         }
     }

@@ -138,8 +138,18 @@ impl<'a> Execution<'a, '_> {
     fn label(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) -> Option<usize> {
         cursor.skip_blanks();
         let start = cursor.at;
-        let is_text = cursor.peek().is_some_and(|c| c == b'"' || c.is_ascii_digit());
-        let label = if is_text { cursor.name() } else { None };
+        let label = match cursor.peek() {
+            Some(b'"' | b'0'..=b'9') => cursor.name(),
+            Some(b'Q') => match cursor.value(&self.parameters) {
+                Ok(number) => Some(number.to_string()),
+                Err(broken) => {
+                    self.refuse_broken(block, broken);
+                    self.has_ended = true;
+                    return None;
+                }
+            },
+            _ => None,
+        };
         let found = label.map_or(Err(Fault::NoLabel), |label| self.script.label(self.program, &label));
         match found {
             Ok(target) => Some(target),
@@ -154,8 +164,12 @@ impl<'a> Execution<'a, '_> {
     /// `LBL n`.
     pub(super) fn meet_label(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
         match cursor.name() {
-            Some(label) if label == "0" => self.end_subprogram(),
-            Some(_) => self.expect_end(block, cursor),
+            Some(label) => {
+                self.expect_end(block, cursor);
+                if label == "0" {
+                    self.end_subprogram();
+                }
+            }
             None => self.refuse_block(block, Fault::NoLabel),
         }
     }
@@ -165,7 +179,10 @@ impl<'a> Execution<'a, '_> {
         if cursor.phrase("CALL PGM") {
             self.settle();
             match cursor.name() {
-                Some(name) => self.call_program(block, &name),
+                Some(name) => {
+                    self.expect_end(block, cursor);
+                    self.call_program(block, &name);
+                }
                 None => self.stop(block.refused(Fault::NoProgram)),
             }
         } else if cursor.phrase("CALL LBL") {

@@ -2,7 +2,8 @@
 //!
 //! # Method
 //! 1. A block is a line, or several that end in `~`. Its number, its comment and blanks around it are no part
-//!    of it. Letters count as capitals, but between quotation marks.
+//!    of it. Letters count as capitals, but between quotation marks. A comment that ends in `~` goes on in
+//!    the next line, except between the parameters of a cycle.
 //! 2. A program lies between BEGIN PGM and END PGM. A text may hold several; the first one runs.
 
 use std::collections::HashMap;
@@ -62,6 +63,8 @@ struct Content {
     start: usize,
     end: usize,
     continues: bool,
+    /// A tilde ends its comment.
+    comment_continues: bool,
 }
 
 impl<'a> Script<'a> {
@@ -105,7 +108,7 @@ impl<'a> Script<'a> {
         let line = self.source.line(index).trim_ascii_start();
         let (_, start) = header(line);
         let rest = line[start..].to_ascii_uppercase();
-        line.first().is_some_and(u8::is_ascii_digit) && rest.starts_with(b"CYCL DEF")
+        start > 0 && rest.starts_with(b"CYCL DEF")
     }
 
     fn find_programs(&mut self) {
@@ -144,17 +147,28 @@ impl<'a> Script<'a> {
     pub fn block(&self, index: usize) -> Block<'a> {
         let [first, end] = self.blocks.get(index).copied().unwrap_or_default().map(|line| line as usize);
         let mut block = Block { text: Vec::new(), pieces: Vec::new(), is_optional: false, n_bytes: 0 };
-        for line in first..end.max(first + 1) {
-            let text = self.source.line(line);
-            let Content { start, end, .. } = content(text, line == first);
+        let mut in_comment = false;
+        for index in first..end.max(first + 1) {
+            let text = self.source.line(index);
+            let line = Line { number: index + 1, text };
             block.n_bytes += text.len();
-            if line == first {
+            if index == first {
                 block.is_optional = header(text).0;
+            }
+            if in_comment && text.first().is_none_or(u8::is_ascii_whitespace) {
+                continue;
+            }
+            let Content { start, end, comment_continues, .. } = content(text, index == first);
+            if in_comment {
+                // Its tilde may be a mistake, and the line may be a block: the control indents comments.
+                block.text.push(b'~');
+                in_comment = false;
+            } else {
+                in_comment = comment_continues && !takes_parameters(&block.text, &text[start..end]);
             }
             if !block.text.is_empty() {
                 block.text.push(b' ');
             }
-            let line = Line { number: line + 1, text };
             block.pieces.push(Piece { from: block.text.len(), line, column: start });
             block.text.extend_from_slice(&text[start..end]);
         }
@@ -219,6 +233,8 @@ fn header(line: &[u8]) -> (bool, usize) {
                 is_optional = true;
                 at += 1;
             }
+            // Some CAM systems number blocks as in other languages.
+            Some(b'N' | b'n') if !has_number && line.get(at + 1).is_some_and(u8::is_ascii_digit) => at += 1,
             Some(b'0'..=b'9') if !has_number => {
                 has_number = true;
                 while line.get(at).is_some_and(u8::is_ascii_digit) {
@@ -242,15 +258,12 @@ fn content(line: &[u8], is_first: bool) -> Content {
     let trimmed = |end: usize| start + line[start..end].trim_ascii_end().len();
     end = trimmed(end);
     let mut continues = line.ends_with(b"~");
-    if continues && comment.is_some() && end == start && is_first {
-        // A comment that goes on in the next line hides words there, or does not: its mark is refused.
-        return Content { start: line.len() - 1, end: line.len(), continues: false };
-    }
+    let comment_continues = continues && comment.is_some();
     if end > start && line[end - 1] == b'~' {
         continues = true;
         end = trimmed(end - 1);
     }
-    Content { start, end, continues }
+    Content { start, end, continues, comment_continues }
 }
 
 /// Whether a line without a block number states a parameter of a cycle.
@@ -259,6 +272,14 @@ fn is_parameter(line: &[u8]) -> bool {
     let digits = line.get(1..).map_or(0, |rest| rest.iter().take_while(|c| c.is_ascii_digit()).count());
     let is_named = matches!(line.first(), Some(b'Q' | b'q')) && digits >= 3;
     is_named && line[1 + digits..].trim_ascii_start().first() == Some(&b'=')
+}
+
+/// Whether comments stand between the words of a block that begins like this. In other blocks a comment goes
+/// on behind a tilde.
+fn takes_parameters(text: &[u8], line: &[u8]) -> bool {
+    let mut cursor = Cursor::new(if text.is_empty() { line } else { text });
+    let keyword = cursor.keyword().to_ascii_uppercase();
+    matches!(keyword.as_slice(), b"CYCL" | b"TCH" | b"PATTERN" | b"CONTOUR" | b"SEL")
 }
 
 fn capitalize(text: &mut [u8]) {
@@ -289,8 +310,12 @@ mod tests {
         let texts: Vec<_> =
             (0..script.len()).map(|k| String::from_utf8(script.block(k).text).unwrap()).collect();
         let expected =
-            ["BEGIN PGM A.H MM", "CYCL DEF 200 BOHREN Q200=2 Q201=-3", "L X+1,5", "LBL \"aB\"", "~"];
+            ["BEGIN PGM A.H MM", "CYCL DEF 200 BOHREN Q200=2 Q201=-3", "L X+1,5", "LBL \"aB\"", ""];
         assert_eq!(texts, expected);
+        let comments = Script::new(b"1 ;one ~\n two ~\n three\n2 Q1 = 5 ; one ~\n two\n3 L X1 ;a ~\nY5\n");
+        let texts: Vec<_> =
+            (0..comments.len()).map(|k| String::from_utf8(comments.block(k).text).unwrap()).collect();
+        assert_eq!(texts, ["", "Q1 = 5", "L X1~ Y5"]);
         assert!(script.block(2).is_optional);
         let refusal = script.block(1).refusal(27, 34, Fault::NoWord);
         assert_eq!((refusal.line, refusal.column, refusal.word.as_str()), (4, 2, "Q201=-3"));

@@ -55,9 +55,10 @@ impl<'a> Execution<'a, '_> {
             b"CYCL" if cursor.phrase("CYCL CALL") => self.call_cycles(block, &mut cursor),
             b"PATTERN" if cursor.phrase("PATTERN DEF") => self.define_pattern(block, &mut cursor),
             b"TRANS" if cursor.phrase("TRANS DATUM AXIS") => self.shift_datum(block, &mut cursor),
-            b"TRANS" if cursor.phrase("TRANS DATUM RESET") => self.reset_shift(block),
+            b"TRANS" if cursor.phrase("TRANS DATUM RESET") => self.reset_shift(block, &mut cursor),
             b"FUNCTION" if cursor.phrase("FUNCTION DWELL TIME") => self.dwell_words(block, &mut cursor),
             b"PLANE" if cursor.phrase("PLANE RESET") => self.reset_plane(block, &mut cursor),
+            b"PLANE" if self.is_plane_level(&mut cursor) => self.reset_plane(block, &mut cursor),
             b"STOP" | b"M" => {
                 let at = if keyword == b"STOP" { after.at } else { cursor.at };
                 self.functions_alone(block, Cursor { at, ..cursor });
@@ -146,8 +147,24 @@ impl<'a> Execution<'a, '_> {
         self.machine.left.add("PLANE RESET", block.line().number);
     }
 
+    /// Takes `PLANE SPATIAL SPA+0 SPB+0 SPC+0`, which tilts nothing.
+    fn is_plane_level(&self, cursor: &mut Cursor<'_>) -> bool {
+        let mut probe = *cursor;
+        let is_level = probe.phrase("PLANE SPATIAL")
+            && ["SPA", "SPB", "SPC"].iter().all(|name| {
+                probe.skip_blanks();
+                probe.letters(name) && probe.value(&self.parameters) == Ok(0.0)
+            });
+        cursor.at = if is_level { probe.at } else { cursor.at };
+        is_level
+    }
+
     fn leave_or_refuse(&mut self, block: &Block<'a>, mut cursor: Cursor<'_>, keyword: &[u8]) {
         if let Some(words) = LEFT_ALONE.into_iter().find(|words| cursor.phrase(words)) {
+            let is_open = matches!(words, "BLK FORM" | "TOOL DEF") || words.contains("DWELL");
+            if !is_open && !words.contains("PULSE") && !words.contains("COUNT") {
+                self.expect_end(block, &mut cursor);
+            }
             return self.machine.left.add(words, block.line().number);
         }
         let is_known = MOVING.iter().any(|word| word.as_bytes() == keyword);

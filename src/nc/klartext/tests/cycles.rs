@@ -94,6 +94,8 @@ fn patterns_run_the_cycle_at_their_places() {
         &[measured.cutting_length_mm, measured.rapid_length_mm],
         &[88.0, 20.0 + across + 4.0 * (18.0 + 22.0 + 18.0)],
     );
+    let part = circle.replace("Q246=360", "Q246=90").replace("Q241=4", "Q241=2");
+    close(&of(&format!("L Z+20 FMAX\n{DRILL}{part}")).end.map(Option::unwrap), &[50.0, 90.0, 20.0]);
     let rows = "CYCL DEF 221 CARTESIAN ~\nQ225=10 ~\nQ226=5 ~\nQ237=10 ~\nQ238=8 ~\nQ242=3 ~\nQ243=2 ~\nQ224=0 ~\nQ200=2 ~\nQ203=0 ~\nQ204=20 ~\nQ301=0\n";
     let reading = of(&format!("L Z+20 FMAX\n{DRILL}{rows}"));
     let measured = measures(&reading);

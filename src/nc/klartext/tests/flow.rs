@@ -20,6 +20,7 @@ fn a_part_is_repeated_as_often_as_rep_says() {
     close(&end("LBL 1\nLBL 2\nL IX+1\nCALL LBL 2 REP2\nL IY+1\nCALL LBL 1 REP 3"), &[12.0, 4.0, 0.0]);
     let text = framed("CALL LBL 5\nCALL LBL 5\nM30\nLBL 5\nLBL 6\nL IX+1\nCALL LBL 6 REP 4\nLBL 0");
     assert_eq!(whole(&text).end[0], Some(10.0));
+    close(&end("Q3 = 1\nLBL 1\nL IX+1\nLBL 0\nCALL LBL Q3"), &[2.0, 0.0, 0.0]);
     close(&end("Q3 = 4\nLBL 1\nL IX+1\nCALL LBL 1 REP Q3"), &[5.0, 0.0, 0.0]);
 }
 

@@ -103,6 +103,14 @@ fn helices_make_whole_turns_and_parts() {
 }
 
 #[test]
+fn polar_arcs_turn_in_the_plane_of_their_pole() {
+    // From beside the surface down onto it, as CAM systems lead in.
+    close(&end("L X+21 Z+8 FMAX\nCC X+13 Z+8\nCP IPA+90 DR+"), &[13.0, 0.0, 0.0]);
+    close(&end("L Y-31 Z+8 FMAX\nCC Y-23 Z+8\nCP IPA+90 DR+"), &[0.0, -23.0, 0.0]);
+    close(&[cut("L X+10\nCC X+20 Y+0\nCP IPA+412 DR+")], &[10.0 + 20.0 * PI * 412.0 / 360.0]);
+}
+
+#[test]
 fn corners_are_rounded_or_cut() {
     close(&[cut("L X+20\nRND R5\nL Y+20")], &[30.0 + 2.5 * PI]);
     close(&[cut("L X+20\nCHF 5\nL Y+20")], &[30.0 + 5.0 * SQRT_2]);

@@ -27,6 +27,7 @@ fn blocks_that_move_in_ways_that_are_not_read_are_refused_by_name() {
         "FCT DR- R15",
         "APPR LT X+5 Y+5 LEN15 RL F100",
         "DEP LCT X+5 Y+5 R5",
+        "PLANE SPATIAL SPA+0 SPB+0 SPC-1 STAY",
         "PLANE SPATIAL SPA+30 SPB+0 SPC+0 TURN FMAX",
         "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS",
         "FUNCTION MODE TURN",
@@ -91,6 +92,11 @@ fn faults_of_motion_are_told() {
         ("CYCL DEF 9.0 DWELL\nCYCL DEF 9.1 DWELL -1", Fault::OutOfRange(-1.0)),
         (";comment ~\nL X+5", Fault::NoWord),
         ("TOOL CALL 5 Z FMAX", Fault::UnusedWord),
+        ("CALL PGM T REP 2", Fault::UnusedWord),
+        ("LBL 0 X+5", Fault::UnusedWord),
+        ("CYCL DEF 9.0 D\nCYCL DEF 9.1 X5 DWELL 1", Fault::UnusedWord),
+        ("L X+5 ;one ~\nY+20 F100", Fault::NoWord),
+        ("Q1 = 5 ;one ~\ntwo", Fault::BadExpression),
     ] {
         assert_eq!(faults(lines)[0].2, fault, "{lines}");
     }

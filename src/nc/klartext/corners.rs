@@ -1,9 +1,9 @@
 //! RND and CHF: a rounding or a chamfer where two elements of the path meet.
 //!
 //! # Method
-//! The arc of a rounding touches both elements. Its centre lies on the side to which the path turns, where the
-//! two elements meet when they are offset by the radius: of such places, the one nearest to the corner. A
-//! chamfer cuts the same length off both lines.
+//! The arc of a rounding touches both elements. Its centre lies on the side to which the path turns, where
+//! the two elements meet when they are offset by the radius: of such places, the one nearest to the corner.
+//! A chamfer cuts the same length off both lines.
 
 use nalgebra::Vector2;
 use toolpathd_core::geometry::curve::Direction;

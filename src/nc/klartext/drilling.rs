@@ -3,9 +3,9 @@
 //! # Method
 //! 1. Rapid to the clearance (Q200) above the surface (Q203). A cycle of the older form begins where the tool
 //!    stands, at its clearance above the surface.
-//! 2. Feed to the depth, in infeeds for cycles 1, 200 and 205. An infeed ends with a rapid to the clearance and
-//!    a rapid down the hole to a distance above the bottom: the clearance for cycle 200, Q258 for cycle 205,
-//!    and 0.6 mm to 7 mm by the depth for cycle 1.
+//! 2. Feed to the depth, in infeeds for cycles 1, 200 and 205. An infeed ends with a rapid to the clearance
+//!    and a rapid down the hole to a distance above the bottom: the clearance for cycle 200, Q258 for cycle
+//!    205, and 0.6 mm to 7 mm by the depth for cycle 1.
 //! 3. Pause, and back to the clearance by rapid or feed as the cycle says.
 //! 4. Rapid to the second clearance (Q204), if that is higher.
 //!

@@ -272,6 +272,8 @@ impl<'a, 'm> Execution<'a, 'm> {
             let line = block.line();
             self.calls.push(Call { back: self.next, line, program: Some(put_aside), n_repeats });
             self.parameters.enter();
+            // A call of a program ends the compensation.
+            self.side = Side::None;
             self.program = program;
             self.next = self.script.programs[program].begin;
         }

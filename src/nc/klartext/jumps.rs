@@ -7,6 +7,9 @@ use super::parameters::Key;
 use super::script::Block;
 use crate::fault::Fault;
 
+/// Part of two values by which they may differ through rounding alone.
+const ROUNDING: f64 = 1e-9;
+
 /// Most repeats that one call may state.
 const MAX_REPEATS: f64 = 65_534.0;
 
@@ -122,15 +125,19 @@ impl<'a> Execution<'a, '_> {
             return Err(Broken { fault: Some(Fault::BadExpression), start, end: cursor.word_end() });
         };
         let b = side(cursor)?;
-        // Sums of decimals differ from what they should be by rounding.
-        let is_equal = (a - b).abs() <= 1e-9 * (1.0 + a.abs().max(b.abs()));
+        let is_equal = a == b;
+        if !is_equal && (a - b).abs() <= ROUNDING * (1.0 + a.abs().max(b.abs())) {
+            // Which of the two is larger depends on how the control has rounded on the way.
+            let fault = Fault::NoValue("both sides are equal but for rounding");
+            return Err(Broken { fault: Some(fault), start, end: cursor.at });
+        }
         Ok(match operator {
             "EQU" | "==" | "=" => is_equal,
             "NE" | "<>" | "!=" => !is_equal,
-            "GT" | ">" => a > b && !is_equal,
-            ">=" => a > b || is_equal,
-            "<=" => a < b || is_equal,
-            _ => a < b && !is_equal,
+            "GT" | ">" => a > b,
+            ">=" => a >= b,
+            "<=" => a <= b,
+            _ => a < b,
         })
     }
 

@@ -4,8 +4,9 @@
 //! * CYCL CALL POS moves across and then down to the cycle; its Z is added to the surface.
 //! * CYCL CALL PAT rises to the height at which it was called, or to the second clearance if that is higher,
 //!   before it moves across.
-//! * Cycles 220 and 221 run the cycle in force at once, with a surface and clearances of their own. They go to
-//!   the second clearance, across to the first place, and from place to place at the clearance that Q301 says.
+//! * Cycles 220 and 221 run the cycle in force at once, with a surface and clearances of their own. They go
+//!   to the second clearance, across to the first place, and from place to place at the clearance that Q301
+//!   says.
 //!
 //! Where the manuals leave open at which height a pattern ends, the height is not known behind it.
 

@@ -37,8 +37,14 @@ fn jumps_follow_conditions() {
         let jump = format!("Q1 = 5\nQ2 = 2\nFN 9: IF {condition} GOTO LBL 9\nL IX+1\nLBL 9\nL IY+1");
         assert_eq!(end(&jump)[0], if is_true { 0.0 } else { 1.0 }, "{condition}");
     }
-    close(&end("Q1 = 0\nLBL 1\nL IX+1\nQ1 = Q1 + 0.1\nFN 12: IF +Q1 LT +1 GOTO LBL 1"), &[10.0, 0.0, 0.0]);
+    close(&end("Q1 = 0\nLBL 1\nL IX+1\nQ1 = Q1 + 0.125\nFN 12: IF +Q1 LT +1 GOTO LBL 1"), &[8.0, 0.0, 0.0]);
     close(&end("Q1 = 3\nIF Q1 >= 3 THEN GOTO LBL \"x\"\nL X+9\nLBL \"x\"\nL Y+1"), &[0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn a_condition_that_rounding_decides_is_refused() {
+    let rounded = "Q1 = 0\nLBL 1\nL IX+1\nQ1 = Q1 + 0.1\nFN 12: IF +Q1 LT +1 GOTO LBL 1";
+    assert_eq!(faults(rounded)[0].2, Fault::NoValue("both sides are equal but for rounding"));
 }
 
 #[test]

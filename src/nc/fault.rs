@@ -90,6 +90,8 @@ pub enum Fault {
     NoProgram,
     #[error("the block to go to is not in the program")]
     NoLabel,
+    #[error("the label stands twice in the program")]
+    DoubleLabel,
     #[error("the loop or the branch has no beginning or no end")]
     OpenLoop,
     #[error("the program that is called has no end (M99)")]

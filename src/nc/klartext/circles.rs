@@ -1,7 +1,6 @@
 //! Circles and helices: C, CR, CT, CP and CTP.
 
 use nalgebra::{Point3, Vector2};
-use std::f64::consts::TAU;
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 
@@ -17,6 +16,9 @@ use crate::placement::Coordinate;
 
 /// Largest incremental angle of a helix, degrees. The control takes five digits before the point.
 const MAX_ANGLE: f64 = 99_999.999_9;
+
+/// Parts of a turn that count as none: rounding of the quotient.
+const ANGLE_ROUNDING: f64 = 1e-9;
 
 const ABOUT_POLE: [Sort; 5] = [Sort::Axis, Sort::Turn, Sort::Side, Sort::Feed, Sort::Function];
 const BY_RADIUS: [Sort; 6] = [Sort::Axis, Sort::Radius, Sort::Turn, Sort::Side, Sort::Feed, Sort::Function];
@@ -152,41 +154,47 @@ impl<'a, 'm> Execution<'a, 'm> {
             self.refuse_block(block, Fault::NoCenter);
             return None;
         };
-        let (angle, turns) = match words.polar_angle {
-            Some(Coordinate::Absolute(degrees)) => (degrees, 1),
+        let Angle { end_degrees, turns, is_closed } = self.helix_angle(block, words, angle)?;
+        let arm = self.arm(pole.plane, end_degrees);
+        let end = center + arm * ((from - center).norm() / arm.norm().max(f64::MIN_POSITIVE));
+        let end = if is_closed { from } else { end };
+        (to[a], to[b]) = (Some(end.x), Some(end.y));
+        self.pole = Some(Pole { last: Some([radius, end_degrees]), ..pole });
+        Some((to, Turn { plane: pole.plane, center: center.into(), direction, turns }))
+    }
+
+    /// Where a helix that begins at `from_degrees` ends, and how often it turns.
+    fn helix_angle(&mut self, block: &Block<'a>, words: &Words, from_degrees: f64) -> Option<Angle> {
+        match words.polar_angle {
+            Some(Coordinate::Absolute(end_degrees)) => {
+                Some(Angle { end_degrees, turns: 1, is_closed: false })
+            }
             Some(Coordinate::Relative(degrees)) => {
-                let is_forward = degrees > 0.0;
-                let agrees = (words.turn == Some(Direction::Ccw)) == is_forward;
+                // The manuals ask for one sign of IPA and DR.
+                let agrees = (words.turn == Some(Direction::Ccw)) == (degrees > 0.0);
                 if !agrees || degrees == 0.0 || degrees.abs() > MAX_ANGLE {
                     self.refuse_block(block, Fault::OutOfRange(degrees));
                     return None;
                 }
-                (angle + degrees, (degrees.abs() / 360.0 - 1e-9).ceil().max(1.0) as usize)
+                let turns = (degrees.abs() / 360.0 - ANGLE_ROUNDING).ceil().max(1.0) as usize;
+                let is_closed = degrees % 360.0 == 0.0;
+                Some(Angle { end_degrees: from_degrees + degrees, turns, is_closed })
             }
             None => {
                 self.refuse_block(block, Fault::Lacks("PA"));
-                return None;
+                None
             }
-        };
-        let swept = turned(words.polar_angle);
-        let end = if swept == Some(0.0) {
-            from
-        } else {
-            let arm = self.arm(pole.plane, angle);
-            center + arm * ((from - center).norm() / arm.norm().max(f64::MIN_POSITIVE))
-        };
-        (to[a], to[b]) = (Some(end.x), Some(end.y));
-        self.pole = Some(Pole { last: Some([radius, angle]), ..pole });
-        Some((to, Turn { plane: pole.plane, center: center.into(), direction, turns }))
+        }
     }
 }
 
-/// The part of a turn by which an incremental angle exceeds whole turns, rad.
-fn turned(angle: Option<Coordinate>) -> Option<f64> {
-    match angle {
-        Some(Coordinate::Relative(degrees)) => Some((degrees % 360.0) / 360.0 * TAU),
-        _ => None,
-    }
+/// Where a helix ends.
+struct Angle {
+    end_degrees: f64,
+    /// Turns, the last of which may be a part of one.
+    turns: usize,
+    /// It ends above its start.
+    is_closed: bool,
 }
 
 fn flat(ends: [Point3<f64>; 2], plane: Plane) -> [Vector2<f64>; 2] {

@@ -260,7 +260,11 @@ impl<'a> Execution<'a, '_> {
 
     /// Puts a cycle of the older form in force, once its last block is read.
     fn put_in_older(&mut self, block: &Block<'a>, number: u32) {
-        let needed = if number == 1 { 5 } else { if number == 2 { 4 } else { 3 } };
+        let needed = match number {
+            1 => 5,
+            2 => 4,
+            _ => 3,
+        };
         if self.parts.len() != needed + 1 {
             return;
         }

@@ -189,7 +189,7 @@ impl<'a> Script<'a> {
     pub fn label(&self, program: usize, label: &str) -> Result<usize, Fault> {
         match self.programs.get(program).and_then(|program| program.labels.get(label)) {
             None => Err(Fault::NoLabel),
-            Some((_, true)) => Err(Fault::Twice),
+            Some((_, true)) => Err(Fault::DoubleLabel),
             Some((index, false)) => Ok(*index),
         }
     }
@@ -250,9 +250,11 @@ fn header(line: &[u8]) -> (bool, usize) {
 fn content(line: &[u8], is_first: bool) -> Content {
     let start = if is_first { header(line).1 } else { line.len() - line.trim_ascii_start().len() };
     let mut is_quoted = false;
+    // A structure block is a comment, too.
+    let is_structure = is_first && line.get(start) == Some(&b'*');
     let comment = line[start..].iter().position(|c| {
         is_quoted ^= *c == b'"';
-        *c == b';' && !is_quoted
+        *c == b';' && !is_quoted || is_structure
     });
     let mut end = comment.map_or(line.len(), |at| start + at);
     let trimmed = |end: usize| start + line[start..end].trim_ascii_end().len();
@@ -312,7 +314,7 @@ mod tests {
         let expected =
             ["BEGIN PGM A.H MM", "CYCL DEF 200 BOHREN Q200=2 Q201=-3", "L X+1,5", "LBL \"aB\"", ""];
         assert_eq!(texts, expected);
-        let comments = Script::new(b"1 ;one ~\n two ~\n three\n2 Q1 = 5 ; one ~\n two\n3 L X1 ;a ~\nY5\n");
+        let comments = Script::new(b"1 * - one ~\n two ~\n three\n2 Q1 = 5 ; one ~\n two\n3 L X1 ;a ~\nY5\n");
         let texts: Vec<_> =
             (0..comments.len()).map(|k| String::from_utf8(comments.block(k).text).unwrap()).collect();
         assert_eq!(texts, ["", "Q1 = 5", "L X1~ Y5"]);

@@ -38,9 +38,6 @@ impl<'a> Execution<'a, '_> {
     /// Runs a block.
     pub(super) fn step(&mut self, block: &Block<'a>) {
         let mut cursor = Cursor::new(&block.text);
-        if block.text.first() == Some(&b'*') {
-            return;
-        }
         let keyword = cursor.keyword();
         let after = Cursor { at: cursor.at + keyword.len(), ..cursor };
         if self.runs_in_path(block, cursor, after, keyword) {

@@ -83,7 +83,7 @@ fn faults_of_motion_are_told() {
         ("L X+5 FZ0.1", Fault::NotRead),
         ("FN 14: ERROR= 1000", Fault::Alarm),
         ("CALL LBL 5", Fault::NoLabel),
-        ("LBL 1\nLBL 1\nCALL LBL 1", Fault::Twice),
+        ("LBL 1\nLBL 1\nCALL LBL 1", Fault::DoubleLabel),
         ("CYCL DEF 7.0\nCYCL DEF 7.1 #5", Fault::NoWord),
         ("CYCL DEF 7.1 X+5", Fault::Lacks("the first block of the cycle")),
         ("CYCL DEF 19.0 W\nCYCL DEF 19.1 A+45 B+0", Fault::OtherAxis),

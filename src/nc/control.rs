@@ -109,6 +109,9 @@ const FANUC_RADIUS: RadiusRule = RadiusRule { mm: 0.02, mm_in_inches: 0.06, rela
 
 /// Alarm 14040: machine data 21000 (0.01 mm) and 21010 (0.1 %), of which the larger counts.
 const SIEMENS_RADIUS: RadiusRule = RadiusRule { mm: 0.01, mm_in_inches: 0.01, relative: 1e-3, most_mm: 1.0 };
+/// TNC 320, *User's Manual*, 340 55x-03, p. 155: the machine parameter circleDeviation.
+const KLARTEXT_RADIUS: RadiusRule =
+    RadiusRule { mm: 0.016, mm_in_inches: 0.016, relative: 0.0, most_mm: 0.016 };
 
 const FANUC: Control = Control {
     name: "fanuc",
@@ -162,7 +165,7 @@ const SIEMENS: Control = Control {
 };
 
 /// All controls whose programs are read, by the names of dialects.
-pub const CONTROLS: [Control; 9] = [
+pub const CONTROLS: [Control; 10] = [
     LINUXCNC,
     FANUC,
     Control {
@@ -211,6 +214,19 @@ pub const CONTROLS: [Control; 9] = [
         ..LINUXCNC
     },
     SIEMENS,
+    Control {
+        name: "heidenhain",
+        family: Family::Klartext,
+        without_point: WithoutPoint::Units,
+        points_matter: false,
+        dwell: DwellTime::Seconds,
+        radius: KLARTEXT_RADIUS,
+        // Q parameters, which `klartext` reads itself.
+        language: Language::None,
+        // END PGM.
+        needs_end: true,
+        ..FANUC
+    },
 ];
 
 impl Control {
@@ -244,5 +260,8 @@ mod tests {
         let siemens = Control::named("siemens").unwrap();
         let allowed = [1.0, 100.0, 1e6].map(|radius| siemens.radius.allowed_mm(radius, false));
         assert_eq!(allowed, [0.01, 0.1, 1.0]);
+        let klartext = Control::named("heidenhain").unwrap();
+        assert_eq!([1.0, 1e6].map(|radius| klartext.radius.allowed_mm(radius, true)), [0.016; 2]);
+        assert!(Control::named("deckel").is_none());
     }
 }

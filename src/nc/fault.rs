@@ -28,6 +28,16 @@ pub enum Fault {
     Conflict,
     #[error("the word {0} is missing")]
     Missing(char),
+    #[error("it needs {0}, which is missing")]
+    Lacks(&'static str),
+    #[error("it needs the parameter Q{0}, which is missing")]
+    LacksParameter(u16),
+    #[error("with this value of Q{0} the path of the cycle is not certain")]
+    UnsureParameter(u16),
+    #[error("the unit of this feed is not certain in a program in inches")]
+    UnsureFeed,
+    #[error("a parameter of the cycle has changed since its definition")]
+    ChangedCycle,
     #[error("the code needs X, Y or Z")]
     NoAxis,
     #[error("coordinates, but no G0, G1, G2, G3 or cycle is in force")]
@@ -108,6 +118,8 @@ pub enum Fault {
     NoProgram,
     #[error("the block to go to is not in the program")]
     NoLabel,
+    #[error("the label stands twice in the program")]
+    DoubleLabel,
     #[error("the loop or the branch has no beginning or no end")]
     OpenLoop,
     #[error("the program that is called has no end (M99)")]

@@ -59,6 +59,10 @@ pub enum Note {
     LengthAxisAssumed { line: usize },
     #[error("tap and spindle of the cycle in line {line} are taken to follow the feed")]
     Tapping { line: usize },
+    #[error(
+        "the scaling of line {line} counts along all three axes, which old controls may limit to the plane"
+    )]
+    ScalesAllAxes { line: usize },
 }
 
 /// Words that were left alone, by their text.

@@ -154,7 +154,7 @@ impl Machine<'_> {
     }
 
     /// The centre at a distance from both ends.
-    fn center_by_radius(
+    pub(crate) fn center_by_radius(
         &mut self,
         line: Line<'_>,
         [word, word_end]: [usize; 2],

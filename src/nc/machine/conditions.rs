@@ -73,6 +73,7 @@ impl Machine<'_> {
 
     /// Changes the tool, which has a number or a name.
     pub(crate) fn put_in_tool(&mut self, line: Line<'_>, number: Option<u32>, name: Option<String>) {
+        self.exclude_compensation(line);
         self.tool = number;
         self.record.change_tool(number, name, line.number);
         // Another tool has another length, and machines change tools at a height of their own.

@@ -68,6 +68,13 @@ impl Machine<'_> {
         }
     }
 
+    /// Refuses what the control does not run under compensation, such as a cycle, and ends the compensation.
+    pub(crate) fn exclude_compensation(&mut self, line: Line<'_>) {
+        if self.compensation.take().is_some() {
+            self.refuse(line.refused(Fault::InCompensation));
+        }
+    }
+
     /// Compensation begins on a side. `span` is where its word stands in the line.
     pub(crate) fn begin_compensation(
         &mut self,

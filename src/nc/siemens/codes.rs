@@ -4,6 +4,7 @@ use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 
 use crate::codes::FeedMode;
+use crate::machine::Side;
 
 /// The number of the settable zero that G500 selects: none.
 pub const NO_OFFSET: u32 = 500;
@@ -65,13 +66,12 @@ pub enum Meaning {
     Pole(PoleFrom),
     /// G25 and G26: limits, whose axis words are no places.
     Limits,
-    Compensation,
+    Compensation(Side),
+    CompensationEnd,
     /// A transformation of the axes, which is refused.
     Transformation,
     TransformationEnd,
     LeftAlone,
-    /// Ends what this reader refuses to begin.
-    Nothing,
     NotRead,
     Unknown,
 }
@@ -91,8 +91,9 @@ pub fn code(number: u32) -> Meaning {
         18 => Plane(self::Plane::Zx),
         19 => Plane(self::Plane::Yz),
         25 | 26 => Limits,
-        40 => Nothing,
-        41 | 42 => Compensation,
+        40 => CompensationEnd,
+        41 => Compensation(Side::Left),
+        42 => Compensation(Side::Right),
         53 | 153 => OnMachine,
         54..=57 => Offset(number - 53),
         500 => Offset(NO_OFFSET),

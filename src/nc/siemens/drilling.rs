@@ -23,6 +23,7 @@ const CHIP_BREAK_MM: f64 = 1.0;
 impl<'a> Mill<'a, '_> {
     /// Runs a cycle where the tool stands.
     pub fn run_cycle(&mut self, line: Line<'a>, cycle: &Cycle) {
+        self.machine.exclude_compensation(line);
         if self.machine.is_full() {
             return;
         }

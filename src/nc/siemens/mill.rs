@@ -16,7 +16,7 @@ use crate::block::Line;
 use crate::fault::Fault;
 use crate::flow::MAX_BLOCKS;
 use crate::frames::name;
-use crate::machine::Machine;
+use crate::machine::{Machine, Radius};
 use crate::notes::Note;
 use crate::placement::{Coordinate, Placement};
 
@@ -208,7 +208,17 @@ impl<'a, 'm> Mill<'a, 'm> {
                     self.machine.feed_mode = *mode;
                     self.machine.feed = None;
                 }
-                Meaning::Compensation => self.machine.begin_compensation(line, *span),
+                Meaning::Compensation(side) => {
+                    self.settle(line);
+                    let edge = block.letters.get(&b'D').map(|given| given.value).or(self.edge.map(f64::from));
+                    if edge != Some(0.0) {
+                        self.machine.begin_compensation(line, *span, *side, Radius::OfTool);
+                    }
+                }
+                Meaning::CompensationEnd => {
+                    self.settle(line);
+                    self.machine.end_compensation();
+                }
                 Meaning::TransformationEnd => self.is_transformed = false,
                 _ => {}
             }
@@ -220,6 +230,7 @@ impl<'a, 'm> Mill<'a, 'm> {
             return;
         }
         self.settle(line);
+        self.machine.exclude_compensation(line);
         self.machine.plane = plane;
         (self.pole, self.tangent, self.polar) = (None, None, [None; 2]);
         let has_tool = self.machine.tool().is_some() || self.edge.is_some_and(|edge| edge > 0);

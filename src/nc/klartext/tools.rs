@@ -1,0 +1,124 @@
+//! Tool calls: the tool, the plane of the tool axis, the speed and the feed.
+
+use toolpathd_core::geometry::plane::Plane;
+
+use super::cursor::{Broken, Cursor};
+use super::datum::Transform;
+use super::flow::Execution;
+use super::script::Block;
+use crate::codes::FeedMode;
+use crate::fault::Fault;
+
+/// The largest number of a tool.
+const MAX_TOOL: f64 = 99_999_999.0;
+
+/// What a tool call names.
+enum Tool {
+    Number(u32),
+    Name(String),
+}
+
+impl<'a> Execution<'a, '_> {
+    /// `TOOL CALL 5 Z S2500 F350 DL+0.1`. Without a tool it changes the speed or the feed alone.
+    pub(super) fn call_tool(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
+        let start = cursor.at;
+        let tool = match self.tool(cursor) {
+            Ok(tool) => tool,
+            Err(broken) => {
+                self.refuse_broken(block, Broken { start, ..broken });
+                cursor.at = broken.end.max(cursor.at);
+                None
+            }
+        };
+        let has_tool = tool.is_some();
+        match tool {
+            Some(Tool::Number(number)) => self.machine.put_in_tool(block.line(), Some(number), None),
+            Some(Tool::Name(name)) => self.machine.put_in_tool(block.line(), None, Some(name)),
+            None => {}
+        }
+        while !cursor.is_done() {
+            let start = cursor.at;
+            if let Err(broken) = self.tool_word(block, cursor) {
+                cursor.at = cursor.word_end().max(broken.end).max(start + 1);
+                self.refuse_broken(block, Broken { start, end: cursor.at, ..broken });
+            }
+        }
+        if has_tool {
+            // The tools have different lengths along the axis of the tool.
+            self.machine.at[self.machine.plane.axes()[2]] = None;
+            self.forget_tangent();
+        }
+    }
+
+    fn tool(&mut self, cursor: &mut Cursor<'_>) -> Result<Option<Tool>, Broken> {
+        cursor.skip_blanks();
+        let start = cursor.at;
+        let broken =
+            |cursor: &Cursor<'_>, fault| Broken { fault: Some(fault), start, end: cursor.word_end() };
+        match cursor.peek() {
+            Some(b'"') => {
+                let end = cursor.text.len();
+                let fault = Broken { fault: Some(Fault::NoWord), start, end };
+                cursor.name().map(|name| Some(Tool::Name(name))).ok_or(fault)
+            }
+            Some(b'0'..=b'9' | b'Q') => {
+                let number = cursor.value(&self.parameters)?;
+                // A point parts the index of a stepped tool from its number.
+                let whole = number.trunc();
+                if !(0.0..=MAX_TOOL).contains(&whole) {
+                    return Err(broken(cursor, Fault::OutOfRange(number)));
+                }
+                Ok(Some(Tool::Number(whole as u32)))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    fn tool_word(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) -> Result<(), Broken> {
+        let start = cursor.at;
+        let fault = |cursor: &Cursor<'_>, fault| Broken { fault: Some(fault), start, end: cursor.word_end() };
+        for (name, plane) in [("X", Plane::Yz), ("Y", Plane::Zx), ("Z", Plane::Xy)] {
+            if cursor.phrase(name) {
+                self.select_plane(block, plane);
+                return Ok(());
+            }
+        }
+        for name in ["DL", "DR2", "DR"] {
+            if cursor.letters(name) {
+                cursor.take(b'=');
+                cursor.value(&self.parameters)?;
+                self.machine.left.add(name, block.line().number);
+                return Ok(());
+            }
+        }
+        if cursor.letters("S") {
+            let speed = cursor.value(&self.parameters)?;
+            if speed < 0.0 {
+                return Err(fault(cursor, Fault::OutOfRange(speed)));
+            }
+            self.machine.speed = Some(speed);
+            return Ok(());
+        }
+        if cursor.letters("F") {
+            let feed = self.feed_word(cursor, start)?;
+            let rate = self.rate_of(Some(feed));
+            let (mode, feed) = rate.ok_or(fault(cursor, Fault::UnusedWord))?;
+            self.set_feed((mode, Some(feed)));
+            self.auto_feed = Some(feed).filter(|_| mode == FeedMode::PerMinute);
+            return Ok(());
+        }
+        Err(fault(cursor, Fault::UnusedWord))
+    }
+
+    /// The plane of a tool axis. Turns of the datum lie in it.
+    fn select_plane(&mut self, block: &Block<'a>, plane: Plane) {
+        if plane == self.machine.plane {
+            return;
+        }
+        if self.transforms.iter().any(|transform| matches!(transform, Transform::Rotation(_))) {
+            self.refuse_block(block, Fault::Conflict);
+        }
+        self.machine.plane = plane;
+        self.lose_pole();
+    }
+}

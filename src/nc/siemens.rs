@@ -194,7 +194,9 @@ impl<'a> Run<'a, '_> {
             return;
         }
         let block = words::scan(line, front.end, &mut self.variables, &mut self.mill.machine.left);
-        if self.mill.run(line, &block) == Next::End {
+        let next = self.mill.run(line, &block);
+        self.mill.trace(line.number);
+        if next == Next::End {
             self.end_program();
         }
     }

@@ -134,6 +134,7 @@ impl<'a, 'm> Execution<'a, 'm> {
             let can_run = self.spend(&block, 1 + block.n_bytes / BYTES_PER_STEP);
             if can_run && !block.text.is_empty() && !(block.is_optional && self.skips_optional) {
                 self.step(&block);
+                self.machine.trace(block.line().number);
             }
         }
         self.settle();

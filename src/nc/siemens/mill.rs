@@ -151,6 +151,19 @@ impl<'a, 'm> Mill<'a, 'm> {
         if ends { Next::End } else { Next::Block }
     }
 
+    /// Records the modal state behind a block. An arc through a point and a tangent arc are no motion that
+    /// other controls have.
+    pub(super) fn trace(&mut self, line: usize) {
+        self.machine.is_absolute = self.is_absolute;
+        self.machine.motion = match self.motion {
+            Some(Motion::Rapid) => Some(crate::codes::Motion::Rapid),
+            Some(Motion::Line) => Some(crate::codes::Motion::Line),
+            Some(Motion::Arc(direction)) => Some(crate::codes::Motion::Arc(direction)),
+            Some(Motion::ThroughPoint | Motion::Tangent) | None => None,
+        };
+        self.machine.trace(line);
+    }
+
     /// Refuses codes that exclude each other, and words that no code of the block uses.
     fn check(&mut self, line: Line<'a>, block: &Block) {
         let mut groups: Vec<u8> = Vec::new();

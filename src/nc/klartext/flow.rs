@@ -86,10 +86,11 @@ struct Repeat {
 }
 
 impl<'a, 'm> Execution<'a, 'm> {
-    pub fn new(machine: &'m mut Machine<'a>, text: &'a [u8], skips_optional: bool) -> Self {
+    /// A program before its first block.
+    pub fn new(machine: &'m mut Machine<'a>, script: Script<'a>, skips_optional: bool) -> Self {
         Self {
             machine,
-            script: Script::new(text),
+            script,
             parameters: Parameters::default(),
             next: 0,
             index: 0,
@@ -263,8 +264,9 @@ impl<'a, 'm> Execution<'a, 'm> {
 
     /// Calls another program of the text.
     pub fn call_program(&mut self, block: &Block<'a>, name: &str) {
-        let Some(program) = self.script.program(name) else {
-            return self.stop(block.refused(Fault::NoProgram));
+        let program = match self.script.program(name) {
+            Ok(program) => program,
+            Err(fault) => return self.stop(block.refused(fault)),
         };
         if self.can_call(block) {
             let put_aside = (self.program, self.machine.in_inches());

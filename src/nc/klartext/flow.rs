@@ -57,6 +57,8 @@ pub struct Execution<'a, 'm> {
     /// F counts mm per turn, by M136.
     pub is_per_turn: bool,
     pub transforms: Vec<Transform>,
+    /// A shift of the datum whose definition may go on, with its last block.
+    pub shift: Option<(Block<'a>, [f64; 3])>,
     pub cycle: Option<Cycle>,
     /// The cycle runs behind each positioning, by M89.
     pub is_modal_call: bool,
@@ -107,6 +109,7 @@ impl<'a, 'm> Execution<'a, 'm> {
             auto_feed: None,
             is_per_turn: false,
             transforms: Vec::new(),
+            shift: None,
             cycle: None,
             is_modal_call: false,
             parts: Vec::new(),

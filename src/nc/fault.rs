@@ -118,7 +118,7 @@ pub enum Fault {
     NoProgram,
     #[error("the block to go to is not in the program")]
     NoLabel,
-    #[error("the label stands twice in the program")]
+    #[error("the name of the label or the program stands twice")]
     DoubleLabel,
     #[error("the loop or the branch has no beginning or no end")]
     OpenLoop,

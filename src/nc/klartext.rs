@@ -45,6 +45,7 @@ use toolpathd_core::budget::{Budget, Stopped};
 use super::Ran;
 use super::machine::Machine;
 use flow::Execution;
+use script::Script;
 
 /// Runs a program to its end, or to where no sense can be made of it.
 ///
@@ -57,7 +58,8 @@ pub fn run<'a>(
     budget: &Budget,
 ) -> Result<Ran, Stopped> {
     budget.check()?;
-    Execution::new(machine, text, skips_optional).run_to_end(budget)
+    let script = Script::new(text, budget)?;
+    Execution::new(machine, script, skips_optional).run_to_end(budget)
 }
 
 #[cfg(test)]

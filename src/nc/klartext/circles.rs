@@ -44,14 +44,8 @@ impl<'a, 'm> Execution<'a, 'm> {
             _ => (&HELIX, Self::helix),
         };
         let Some((words, functions)) = self.begin_move(block, cursor, allowed) else { return };
-        if let Some((_, span)) = functions.machine_zero {
-            self.refuse(block, span, Fault::Conflict);
-            return self.lose_place();
-        }
-        if !self.expect_cut(block, &words) {
-            return;
-        }
-        match shape(self, block, &words) {
+        let can_run = self.has_no_machine_zero(block, &functions) && self.is_cut(block, &words);
+        match can_run.then(|| shape(self, block, &words)).flatten() {
             Some((to, turn)) => {
                 let element = self.element(block, to, Way::Arc(turn));
                 self.advance(block, element);

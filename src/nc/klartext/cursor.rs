@@ -79,9 +79,10 @@ impl<'t> Cursor<'t> {
         &rest[..end]
     }
 
-    /// The byte behind the word that stands here: blanks end it.
+    /// The byte behind the word that stands here: blanks end it, and so does the length of the longest name.
     pub fn word_end(&self) -> usize {
         let rest = &self.text[self.at..];
+        let rest = &rest[..rest.len().min(MAX_NAME + 1)];
         self.at + rest.iter().position(|c| matches!(c, b' ' | b'\t')).unwrap_or(rest.len())
     }
 
@@ -158,8 +159,10 @@ impl<'t> Cursor<'t> {
             let value = parameters.get(key).map_err(|fault| Broken { fault, start, end: self.at })?;
             return Ok(sign * value);
         }
-        let broken = Broken { fault: Some(Fault::NoNumber), start, end: self.word_end().max(start) };
-        self.number().map(|value| sign * value).ok_or(broken)
+        match self.number() {
+            Some(value) => Ok(sign * value),
+            None => Err(Broken { fault: Some(Fault::NoNumber), start, end: self.word_end() }),
+        }
     }
 }
 

@@ -101,14 +101,15 @@ impl<'a> Execution<'a, '_> {
         self.forget_tangent();
     }
 
-    /// `CYCL DEF 7.1 X+10` and `TRANS DATUM AXIS X+10`.
+    /// `CYCL DEF 7.1 X+10` and `TRANS DATUM AXIS X+10`. The shift comes into force with the next block that
+    /// does not go on with it.
     pub(super) fn shift_datum(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
-        let mut shift = [0.0; 3];
-        for transform in &self.transforms {
-            if let Transform::Shift(own) = transform {
-                shift = *own;
-            }
-        }
+        let in_force = self.transforms.iter().find_map(|transform| match transform {
+            Transform::Shift(shift) => Some(*shift),
+            _ => None,
+        });
+        let pending = self.shift.take().map(|(_, shift)| shift);
+        let mut shift = pending.or(in_force).unwrap_or_default();
         let words = self.scan(block, cursor, &[Sort::Axis, Sort::Function]);
         if let Some((_, span)) = words.functions.first() {
             self.refuse(block, *span, Fault::UnusedWord);
@@ -120,7 +121,17 @@ impl<'a> Execution<'a, '_> {
                 None => {}
             }
         }
-        self.transform(block, Transform::Shift(shift));
+        self.shift = Some((block.clone(), shift));
+    }
+
+    /// Puts a shift in force whose definition has ended before this block.
+    pub(super) fn end_shift(&mut self, block: &Block<'a>) {
+        let mut cursor = Cursor::new(&block.text);
+        let goes_on =
+            cursor.phrase("CYCL DEF") && cursor.take(b'7') && cursor.take(b'.') && !cursor.take(b'0');
+        if !goes_on && let Some((definition, shift)) = self.shift.take() {
+            self.transform(&definition, Transform::Shift(shift));
+        }
     }
 
     pub(super) fn reset_shift(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {

@@ -183,7 +183,7 @@ impl<'a> Execution<'a, '_> {
         while !cursor.is_done() && !is_parameter(*cursor) {
             cursor.at = cursor.word_end();
         }
-        while !cursor.is_done() {
+        while !cursor.is_done() && !self.machine.is_full() {
             let start = cursor.at;
             match self.cycle_value(cursor) {
                 Ok((own, value)) if needed.contains(&own) || others.contains(&own) => {

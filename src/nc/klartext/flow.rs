@@ -56,6 +56,8 @@ pub struct Execution<'a, 'm> {
     /// F counts mm per turn, by M136.
     pub is_per_turn: bool,
     pub transforms: Vec<Transform>,
+    /// A shift of the datum whose definition may go on, with its last block.
+    pub shift: Option<(Block<'a>, [f64; 3])>,
     pub cycle: Option<Cycle>,
     /// The cycle runs behind each positioning, by M89.
     pub is_modal_call: bool,
@@ -85,10 +87,11 @@ struct Repeat {
 }
 
 impl<'a, 'm> Execution<'a, 'm> {
-    pub fn new(machine: &'m mut Machine<'a>, text: &'a [u8], skips_optional: bool) -> Self {
+    /// A program before its first block.
+    pub fn new(machine: &'m mut Machine<'a>, script: Script<'a>, skips_optional: bool) -> Self {
         Self {
             machine,
-            script: Script::new(text),
+            script,
             parameters: Parameters::default(),
             next: 0,
             index: 0,
@@ -105,6 +108,7 @@ impl<'a, 'm> Execution<'a, 'm> {
             auto_feed: None,
             is_per_turn: false,
             transforms: Vec::new(),
+            shift: None,
             cycle: None,
             is_modal_call: false,
             parts: Vec::new(),
@@ -263,8 +267,9 @@ impl<'a, 'm> Execution<'a, 'm> {
 
     /// Calls another program of the text.
     pub fn call_program(&mut self, block: &Block<'a>, name: &str) {
-        let Some(program) = self.script.program(name) else {
-            return self.stop(block.refused(Fault::NoProgram));
+        let program = match self.script.program(name) {
+            Ok(program) => program,
+            Err(fault) => return self.stop(block.refused(fault)),
         };
         if self.can_call(block) {
             let put_aside = (self.program, self.machine.in_inches());

@@ -23,12 +23,8 @@ impl<'a> Execution<'a, '_> {
         else {
             return;
         };
-        if let (Some((_, span)), true) = (functions.machine_zero, is_polar) {
-            self.refuse(block, span, Fault::Conflict);
-            return self.lose_place();
-        }
         let to = if is_polar {
-            self.polar_end(block, &words)
+            self.has_no_machine_zero(block, &functions).then(|| self.polar_end(block, &words)).flatten()
         } else {
             self.straight_end(block, &words, &functions)
         };
@@ -112,14 +108,21 @@ impl<'a> Execution<'a, '_> {
         }
     }
 
-    /// Takes the feed of a block that may not be a rapid. False where it is one.
-    pub(super) fn expect_cut(&mut self, block: &Block<'a>, words: &Words) -> bool {
+    /// Refuses a rapid where only a cut is read.
+    pub(super) fn is_cut(&mut self, block: &Block<'a>, words: &Words) -> bool {
         let is_cut = words.feed != Some(Feed::Rapid);
         if !is_cut {
             self.refuse_block(block, Fault::Conflict);
-            self.lose_place();
         }
         is_cut
+    }
+
+    /// Refuses M91 and M92 where the block is not straight.
+    pub(super) fn has_no_machine_zero(&mut self, block: &Block<'a>, functions: &Functions) -> bool {
+        if let Some((_, span)) = functions.machine_zero {
+            self.refuse(block, span, Fault::Conflict);
+        }
+        functions.machine_zero.is_none()
     }
 
     /// Puts a feed in force behind something that has a feed of its own.

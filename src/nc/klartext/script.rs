@@ -7,6 +7,9 @@
 //! 2. A program lies between BEGIN PGM and END PGM. A text may hold several; the first one runs.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use toolpathd_core::budget::{Budget, Stopped};
 
 use super::cursor::Cursor;
 use crate::block::Line;
@@ -14,12 +17,24 @@ use crate::control::Language;
 use crate::fault::{Fault, Refusal};
 use crate::source::Source;
 
+/// Blocks between two checks of the budget.
+const BLOCKS_BETWEEN_CHECKS: usize = 1024;
+
+/// Most programs of a text. Further ones are refused.
+const MAX_PROGRAMS: usize = 10_000;
+
+/// Most labels of a program, more than controls take. Further ones are not found.
+const MAX_LABELS: usize = 100_000;
+
 /// A text as blocks.
 pub struct Script<'a> {
     source: Source<'a>,
     /// The first line of each block, and the line behind its last.
     blocks: Vec<[u32; 2]>,
     pub programs: Vec<Program>,
+    /// The index of each program by its name, in capitals, without folders and without `.H`; and whether
+    /// the name stands there twice.
+    names: HashMap<String, (usize, bool)>,
     /// The first block of each part of the text that lies in no program.
     pub strays: Vec<usize>,
 }
@@ -27,8 +42,6 @@ pub struct Script<'a> {
 /// A program of the text.
 #[derive(Debug)]
 pub struct Program {
-    /// In capitals, without folders and without `.H`.
-    name: String,
     /// The index of its first block, and the index behind its last.
     pub begin: usize,
     pub end: usize,
@@ -68,12 +81,22 @@ struct Content {
 }
 
 impl<'a> Script<'a> {
-    pub fn new(text: &'a [u8]) -> Self {
+    /// Divides a text.
+    ///
+    /// # Errors
+    /// When the budget ends.
+    pub fn new(text: &'a [u8], budget: &Budget) -> Result<Self, Stopped> {
         let source = Source::new(text, Language::None);
-        let mut script = Self { source, blocks: Vec::new(), programs: Vec::new(), strays: Vec::new() };
+        let mut script = Self {
+            source,
+            blocks: Vec::new(),
+            programs: Vec::new(),
+            names: HashMap::new(),
+            strays: Vec::new(),
+        };
         script.find_blocks();
-        script.find_programs();
-        script
+        script.find_programs(budget)?;
+        Ok(script)
     }
 
     pub fn n_lines(&self) -> usize {
@@ -111,16 +134,17 @@ impl<'a> Script<'a> {
         start > 0 && rest.starts_with(b"CYCL DEF")
     }
 
-    fn find_programs(&mut self) {
+    fn find_programs(&mut self, budget: &Budget) -> Result<(), Stopped> {
         let (mut is_open, mut is_stray) = (false, false);
         for index in 0..self.len() {
+            if index.is_multiple_of(BLOCKS_BETWEEN_CHECKS) {
+                budget.check()?;
+            }
             let block = self.block(index);
             let mut cursor = Cursor::new(&block.text);
-            if cursor.phrase("BEGIN PGM") {
+            if cursor.phrase("BEGIN PGM") && self.programs.len() < MAX_PROGRAMS {
                 (is_open, is_stray) = (true, false);
-                self.end_program(index);
-                let name = program_name(cursor.name().unwrap_or_default());
-                self.programs.push(Program { name, begin: index, end: self.len(), labels: HashMap::new() });
+                self.begin_program(program_name(cursor.name().unwrap_or_default()), index);
             } else if !is_open {
                 if !block.text.is_empty() && !is_stray {
                     is_stray = true;
@@ -132,15 +156,25 @@ impl<'a> Script<'a> {
                 && let Some(label) = cursor.name().filter(|label| label != "0")
                 && let Some(program) = self.programs.last_mut()
             {
-                program.labels.entry(label).and_modify(|(_, twice)| *twice = true).or_insert((index, false));
+                let has_room = program.labels.len() < MAX_LABELS;
+                match program.labels.entry(label) {
+                    Entry::Occupied(mut entry) => entry.get_mut().1 = true,
+                    Entry::Vacant(entry) if has_room => drop(entry.insert((index, false))),
+                    Entry::Vacant(_) => {}
+                }
             }
         }
+        Ok(())
     }
 
-    fn end_program(&mut self, index: usize) {
+    /// A program begins, and the one before it ends.
+    fn begin_program(&mut self, name: String, index: usize) {
         if let Some(program) = self.programs.last_mut() {
             program.end = index;
         }
+        let own = (self.programs.len(), false);
+        self.names.entry(name).and_modify(|(_, twice)| *twice = true).or_insert(own);
+        self.programs.push(Program { begin: index, end: self.len(), labels: HashMap::new() });
     }
 
     /// The block with this index.
@@ -177,9 +211,15 @@ impl<'a> Script<'a> {
     }
 
     /// The program with this name.
-    pub fn program(&self, name: &str) -> Option<usize> {
-        let name = program_name(name.to_owned());
-        self.programs.iter().position(|program| program.name == name)
+    ///
+    /// # Errors
+    /// When there is none, or more than one.
+    pub fn program(&self, name: &str) -> Result<usize, Fault> {
+        match self.names.get(&program_name(name.to_owned())) {
+            None => Err(Fault::NoProgram),
+            Some((_, true)) => Err(Fault::DoubleLabel),
+            Some((index, false)) => Ok(*index),
+        }
     }
 
     /// The block of a label in the program with this index.
@@ -305,28 +345,32 @@ fn program_name(name: String) -> String {
 mod tests {
     use super::*;
 
+    fn of(text: &[u8]) -> Script<'_> {
+        Script::new(text, &Budget::unlimited()).unwrap()
+    }
+
     #[test]
     fn lines_with_a_tilde_are_one_block_and_comments_are_none() {
         let text = b"0 BEGIN PGM a.h MM\n1 cycl def 200 Bohren ~\n Q200=2 ;Weg ~\n Q201=-3 ;Tiefe\n/ 2 l x+1,5 ; \"\n3 LBL \"aB\"\n4 ;text~\n";
-        let script = Script::new(text);
+        let script = of(text);
         let texts: Vec<_> =
             (0..script.len()).map(|k| String::from_utf8(script.block(k).text).unwrap()).collect();
         let expected =
             ["BEGIN PGM A.H MM", "CYCL DEF 200 BOHREN Q200=2 Q201=-3", "L X+1,5", "LBL \"aB\"", ""];
         assert_eq!(texts, expected);
-        let comments = Script::new(b"1 * - one ~\n two ~\n three\n2 Q1 = 5 ; one ~\n two\n3 L X1 ;a ~\nY5\n");
+        let comments = of(b"1 * - one ~\n two ~\n three\n2 Q1 = 5 ; one ~\n two\n3 L X1 ;a ~\nY5\n");
         let texts: Vec<_> =
             (0..comments.len()).map(|k| String::from_utf8(comments.block(k).text).unwrap()).collect();
         assert_eq!(texts, ["", "Q1 = 5", "L X1~ Y5"]);
         assert!(script.block(2).is_optional);
         let refusal = script.block(1).refusal(27, 34, Fault::NoWord);
         assert_eq!((refusal.line, refusal.column, refusal.word.as_str()), (4, 2, "Q201=-3"));
-        assert_eq!((script.program("TNC:\\x\\A.H"), script.label(0, "aB")), (Some(0), Ok(3)));
+        assert_eq!((script.program("TNC:\\x\\A.H"), script.label(0, "aB")), (Ok(0), Ok(3)));
     }
 
     #[test]
     fn parameters_without_numbers_belong_to_the_cycle_before_them() {
-        let script = Script::new(b"1 CYCL DEF 200 X\nQ200=2\nQ201=-3\n2 L X1");
+        let script = of(b"1 CYCL DEF 200 X\nQ200=2\nQ201=-3\n2 L X1");
         assert_eq!(
             (script.len(), script.block(0).text.as_slice()),
             (2, b"CYCL DEF 200 X Q200=2 Q201=-3".as_slice())

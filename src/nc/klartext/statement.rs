@@ -37,6 +37,9 @@ const MOVING: [&str; 24] = [
 impl<'a> Execution<'a, '_> {
     /// Runs a block.
     pub(super) fn step(&mut self, block: &Block<'a>) {
+        if self.shift.is_some() {
+            self.end_shift(block);
+        }
         let mut cursor = Cursor::new(&block.text);
         let keyword = cursor.keyword();
         let after = Cursor { at: cursor.at + keyword.len(), ..cursor };

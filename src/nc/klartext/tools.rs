@@ -36,7 +36,7 @@ impl<'a> Execution<'a, '_> {
             Some(Tool::Name(name)) => self.machine.put_in_tool(block.line(), None, Some(name)),
             None => {}
         }
-        while !cursor.is_done() {
+        while !cursor.is_done() && !self.machine.is_full() {
             let start = cursor.at;
             if let Err(broken) = self.tool_word(block, cursor) {
                 cursor.at = cursor.word_end().max(broken.end).max(start + 1);

@@ -65,7 +65,7 @@ impl<'a> Execution<'a, '_> {
     /// Reads the words up to the end of a block. Words of other sorts than `allowed` are refused.
     pub(super) fn scan(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>, allowed: &[Sort]) -> Words {
         let mut words = Words::default();
-        while !cursor.is_done() {
+        while !cursor.is_done() && !self.machine.is_full() {
             let start = cursor.at;
             let found = self.word(block, cursor, &mut words);
             if cursor.at == start {
@@ -160,8 +160,9 @@ impl<'a> Execution<'a, '_> {
         let is_relative = cursor.letters("I");
         let letter = cursor.peek().unwrap_or_default();
         let axis = b"XYZABCUVW".iter().position(|own| *own == letter);
-        let end = cursor.word_end();
-        let Some(axis) = axis else { return Err(Broken { fault: Some(Fault::NoWord), start, end }) };
+        let Some(axis) = axis else {
+            return Err(Broken { fault: Some(Fault::NoWord), start, end: cursor.word_end() });
+        };
         cursor.at += 1;
         let value = cursor.value(&self.parameters)?;
         let Some(slot) = words.axes.get_mut(axis) else {
@@ -222,8 +223,9 @@ impl<'a> Execution<'a, '_> {
     ) -> Result<Sort, Broken> {
         cursor.at += 1;
         cursor.skip_blanks();
-        let fault = Broken { fault: Some(Fault::NoNumber), start, end: cursor.word_end() };
-        let number = cursor.whole().ok_or(fault)?;
+        let Some(number) = cursor.whole() else {
+            return Err(Broken { fault: Some(Fault::NoNumber), start, end: cursor.word_end() });
+        };
         words.functions.push((number, [start, cursor.at]));
         if WITH_WORDS.contains(&number) {
             if number == 140 {

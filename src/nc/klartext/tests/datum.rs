@@ -23,6 +23,12 @@ fn cycles_act_in_the_order_of_their_definitions() {
     close(&end(&format!("{turn}{SHIFT}L X+5 Y+1")), &[-21.0, 15.0, 0.0]);
     close(&end(&format!("{turn}CYCL DEF 10.0 D\nCYCL DEF 10.1 IROT+90\nL X+5 Y+1")), &[-5.0, -1.0, 0.0]);
     close(&end(&format!("{turn}CYCL DEF 10.0 D\nCYCL DEF 10.1 ROT+0\nL X+5 Y+1")), &[5.0, 1.0, 0.0]);
+    let reset = "CYCL DEF 7.0 N\nCYCL DEF 7.1 X+0\nCYCL DEF 7.2 Y+0\n";
+    close(&end(&format!("{SHIFT}{turn}{reset}L X+5 Y+1")), &[-1.0, 5.0, 0.0]);
+    close(
+        &end(&format!("{SHIFT}{turn}{reset}CYCL DEF 10.0\nCYCL DEF 10.1 ROT+0\nL X+5 Y+1")),
+        &[5.0, 1.0, 0.0],
+    );
     // The earlier kind comes again: where it acts is not certain.
     let again = format!("{SHIFT}{turn}CYCL DEF 7.0 N\nCYCL DEF 7.1 X+30\nL X+5 F100");
     assert_eq!(faults(&again)[0], (10, "CYCL DEF 7.1 X+30".into(), Fault::NotRead));

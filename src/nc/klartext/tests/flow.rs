@@ -76,6 +76,8 @@ fn called_programs_have_units_labels_and_local_parameters_of_their_own() {
         faults("CALL PGM TNC:\\NOT\\HERE.H"),
         [(4, "CALL PGM TNC:\\NOT\\HERE.H".into(), Fault::NoProgram)]
     );
+    let twice = text.replace("CALL LBL 1\n", "") + "BEGIN PGM SUB MM\nEND PGM SUB MM";
+    assert_eq!(faults_of(&twice)[0].2, Fault::DoubleLabel);
     let ends = text.replace("CALL LBL 1\n", "").replace("L Z+Q1", "L Z+Q1 M30");
     assert_eq!(faults_of(&ends), [(13, "M30".into(), Fault::Conflict)]);
 }

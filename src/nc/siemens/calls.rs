@@ -214,7 +214,7 @@ impl<'a> Run<'a, '_> {
         values: Vec<Value>,
     ) -> Result<(), Fault> {
         // Fields take time as blocks do.
-        self.n_blocks += count.unwrap_or(1);
+        self.work += count.unwrap_or(1);
         self.variables.define(name, kind, count)?;
         if values.len() > count.unwrap_or(1) {
             return Err(Fault::BadExpression);

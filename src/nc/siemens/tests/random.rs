@@ -147,3 +147,36 @@ fn changed_programs_do_not_panic() {
         }
     }
 }
+
+#[test]
+fn long_texts_take_little_time() {
+    let line = |piece: &str, n: usize| piece.repeat(n);
+    let texts = [
+        line("R1=1 ", 200_000),
+        line("M6", 500_000),
+        line("R1=1+", 1) + &line("1+", 500_000) + "1",
+        line("G1X1", 250_000),
+        line("%A\n", 300_000),
+        line("AA:\n", 250_000) + "REPEAT AA P=100000",
+        line("AA:\n", 250_000) + "GOTOB AA",
+        line("LOOP\n", 200_000),
+        line("IF 1\n", 100_000) + &line("ENDIF\n", 100_000),
+        String::from("LOOP\nG1 X1 F1\nMCALL CYCLE83(99,0,1,-99,,-0.001)\nG0 X1\nENDLOOP"),
+        String::from("LOOP\nHOLES2(0,0,5,0,0,9999)\nENDLOOP"),
+        String::from("LOOP\nSUB_A\nENDLOOP\nM30\nPROC SUB_A\nDEF REAL FIELD[9999]\nRET"),
+        line("MSG(", 200_000),
+        line("\"", 300_001),
+        line("X=", 300_000),
+        line("G4 F1\n", 200_000),
+        line("G505\nG506\n", 100_000),
+        line("RNDM=1 G1 X1 F1\nY1\nX0\nY0\n", 20_000),
+        line("DEF REAL AB\n", 100_000),
+        String::from("CASE 1 OF ") + &line("2 GOTOF AA ", 80_000),
+    ];
+    for text in texts {
+        let start = std::time::Instant::now();
+        must_end(text.as_bytes());
+        let took = start.elapsed().as_secs_f64();
+        assert!(took < 20.0, "{took} s: {}", &text[..text.len().min(40)]);
+    }
+}

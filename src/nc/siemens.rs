@@ -45,7 +45,7 @@ use super::flow::MAX_BLOCKS;
 use super::machine::Machine;
 use calls::Call;
 use mill::{Mill, Next};
-use text::{Text, comment_start, front};
+use text::{Text, comment_start, front, is_tape_mark};
 use values::Variables;
 
 /// Blocks between two checks of the budget.
@@ -202,6 +202,9 @@ impl<'a> Run<'a, '_> {
         }
         if is_skipped || front.end >= last {
             return;
+        }
+        if is_tape_mark(line.text) {
+            return self.mill.machine.left.add("%", line.number);
         }
         self.work += last / LONG_LINE;
         self.variables.begin_block();

@@ -96,6 +96,8 @@ pub enum Fault {
     IncrementOfNewZero,
     #[error("the parameter {0} of the cycle is missing, contradicts another, or is not read")]
     CycleParameter(&'static str),
+    #[error("the block has more than {0} characters")]
+    LongBlock(usize),
     #[error("the same block sets the variable that it reads")]
     SetInBlock,
     #[error("Z of the cycle lies above its R")]

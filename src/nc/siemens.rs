@@ -45,11 +45,17 @@ use super::flow::MAX_BLOCKS;
 use super::machine::Machine;
 use calls::Call;
 use mill::{Mill, Next};
-use text::{Text, comment_start, front};
+use text::{Text, comment_start, front, is_tape_mark};
 use values::Variables;
 
 /// Blocks between two checks of the budget.
 const BLOCKS_BETWEEN_CHECKS: usize = 1024;
+
+/// Longest block, bytes; the control takes 512. Longer blocks in a loop would take very long.
+const MAX_LINE: usize = 4096;
+
+/// A line with as many bytes takes as long as two blocks.
+const LONG_LINE: usize = 128;
 
 /// A program on its way.
 struct Run<'a, 'm> {
@@ -65,6 +71,8 @@ struct Run<'a, 'm> {
     /// The end values of FOR loops, by their lines.
     loop_ends: HashMap<usize, f64>,
     n_blocks: usize,
+    /// Blocks so far, where long lines count as several.
+    work: usize,
     has_ended: bool,
     skips_optional: bool,
 }
@@ -101,6 +109,7 @@ pub fn run<'a>(
         repeats: Vec::new(),
         loop_ends: HashMap::new(),
         n_blocks: 0,
+        work: 0,
         has_ended: false,
         skips_optional,
     };
@@ -117,7 +126,8 @@ impl<'a> Run<'a, '_> {
                 budget.progress("reading", self.next.min(total), total);
             }
             self.n_blocks += 1;
-            if self.n_blocks > MAX_BLOCKS {
+            self.work += 1;
+            if self.work > MAX_BLOCKS {
                 let line = self.line(self.next.min(total.saturating_sub(1)));
                 self.stop(line.refused(Fault::Endless(MAX_BLOCKS)));
                 break;
@@ -186,9 +196,17 @@ impl<'a> Run<'a, '_> {
         let line = self.line(index);
         let front = front(line.text);
         let is_skipped = front.is_optional && self.skips_optional;
-        if is_skipped || front.end >= comment_start(line.text) {
+        let last = comment_start(line.text);
+        if last > MAX_LINE {
+            return self.stop(line.refusal(front.end, last, Fault::LongBlock(MAX_LINE)));
+        }
+        if is_skipped || front.end >= last {
             return;
         }
+        if is_tape_mark(line.text) {
+            return self.mill.machine.left.add("%", line.number);
+        }
+        self.work += last / LONG_LINE;
         self.variables.begin_block();
         if self.branch(line, index, front.end) || self.call_or_define(line, index, front.end) {
             return;

@@ -29,13 +29,10 @@ impl<'a> Run<'a, '_> {
         }
         match name.as_str() {
             "IF" => self.meet_if(line, index, end),
-            "WHILE" => {
-                if let (Some(partner), Some(false)) = (self.partner(line, index), self.condition(line, end)) {
-                    self.next = partner + 1;
-                }
-            }
-            "UNTIL" => {
-                if let (Some(partner), Some(false)) = (self.partner(line, index), self.condition(line, end)) {
+            "WHILE" | "UNTIL" => {
+                if let Some(partner) = self.partner(line, index)
+                    && self.condition(line, end) == Some(false)
+                {
                     self.next = partner + 1;
                 }
             }

@@ -144,6 +144,7 @@ impl<'a> Run<'a, '_> {
 
     /// PROC: the parameters of the call become variables.
     fn meet_proc(&mut self, line: Line<'a>, index: usize, at: usize) {
+        let at = blanks(line.text, at);
         let last = comment_start(line.text);
         let Some((_, end)) = name_at(line.text, blanks(line.text, at)) else {
             return self.stop(line.refusal(at, last, Fault::BadExpression));
@@ -214,7 +215,7 @@ impl<'a> Run<'a, '_> {
         values: Vec<Value>,
     ) -> Result<(), Fault> {
         // Fields take time as blocks do.
-        self.n_blocks += count.unwrap_or(1);
+        self.work += count.unwrap_or(1);
         self.variables.define(name, kind, count)?;
         if values.len() > count.unwrap_or(1) {
             return Err(Fault::BadExpression);
@@ -228,6 +229,7 @@ impl<'a> Run<'a, '_> {
 
     /// DEF: variables of this program, with values and fields of one dimension.
     fn define(&mut self, line: Line<'a>, at: usize) {
+        let at = blanks(line.text, at);
         let last = comment_start(line.text);
         let read = self.read(line, at, |reader| {
             let kind = reader.name().ok_or(Fault::BadExpression)?;

@@ -154,6 +154,9 @@ impl<'a> Mill<'a, '_> {
             Plane::Zx => 2.0,
             Plane::Yz => 3.0,
         };
+        // Behind CYCLE81 some systems write no dwell time: the masks 0, 0 and 10 then stand one place before.
+        let is_early = cycle.name == "CYCLE81" && cycle.parameters.len() == 8 && cycle.value(7) == 10.0;
+        let first = if is_early { 5 } else { first };
         let mode = cycle.value(first + 2);
         let dwell_s = cycle.dwell_index().map_or(0.0, |index| cycle.value(index));
         let depth_modes: &[f64] = &[0.0, 1.0, 2.0];
@@ -162,6 +165,8 @@ impl<'a> Mill<'a, '_> {
             && match (mode / 10.0).trunc() {
                 0.0 | 1.0 => true,
                 2.0 => dwell_s == 0.0,
+                // All times of CYCLE83 are in seconds, and its depths are as without masks.
+                11.0 | 111.0 | 100_111.0 => cycle.kind == Kind::Pecks,
                 _ => false,
             };
         let wrong = if cycle.value(first) != 0.0 {

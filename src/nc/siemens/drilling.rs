@@ -156,7 +156,8 @@ impl<'a> Mill<'a, '_> {
             return None;
         };
         let (degression, least) = (cycle.value(7), cycle.value(13).abs() * unit);
-        if degression < -1.0 || degression < 0.0 && least == 0.0 {
+        // What follows a first stroke below the degression is not certain.
+        if degression < -1.0 || degression < 0.0 && least == 0.0 || degression * unit > first {
             self.refuse_parameter(line, cycle, "_DAM");
             return None;
         }
@@ -259,7 +260,8 @@ impl<'a> Mill<'a, '_> {
         self.pause_by(line, cycle, cycle.value(5));
         self.machine.feed = feeds[1];
         self.feed_to(line, heights.start);
-        self.machine.feed = before;
+        // Which feed is in force behind a cycle with feeds of its own is not certain.
+        self.machine.feed = before.filter(|_| cycle.name != "CYCLE85");
     }
 
     /// CYCLE86: away from the wall by RPA, RPO and RPAP, out, and back over the hole.

@@ -174,7 +174,7 @@ fn programs(lines: &[&[u8]]) -> Vec<Program> {
         let found = found.or_else(|| proc_name(line).map(|name| (name, false, index)));
         let Some((name, is_main, start)) = found else {
             let front = front(line).end;
-            has_blocks |= comment_start(line) > front;
+            has_blocks |= comment_start(line) > front && !is_tape_mark(line);
             continue;
         };
         let is_header = start == index + 1;
@@ -199,11 +199,16 @@ fn programs(lines: &[&[u8]]) -> Vec<Program> {
 fn header(line: &[u8]) -> Option<(String, bool)> {
     let name = line.trim_ascii().strip_prefix(b"%")?;
     let name: String = name.iter().map(|c| c.to_ascii_uppercase() as char).collect();
-    let name = name.split([' ', ';', '\t']).next().unwrap_or_default();
+    let name = name.split([' ', ';', '\t']).next().filter(|name| !name.is_empty())?;
     let name = name.strip_prefix("_N_").unwrap_or(name);
     let is_main = name.ends_with("_MPF");
     let name = name.strip_suffix("_MPF").or(name.strip_suffix("_SPF")).unwrap_or(name);
     Some((name.to_owned(), is_main))
+}
+
+/// Whether a line is a percent sign alone, as serial lines had it at both ends of a program.
+pub fn is_tape_mark(line: &[u8]) -> bool {
+    line.trim_ascii() == b"%"
 }
 
 /// The name behind PROC.

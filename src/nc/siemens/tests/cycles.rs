@@ -5,7 +5,7 @@ use crate::notes::Note;
 
 /// Lengths of cuts and rapids, and the pauses, of one hole from Z50 over the zero.
 fn hole(call: &str) -> [f64; 3] {
-    let text = framed(&format!("G0 Z50\n{call}\nG1 Z50 X1"));
+    let text = framed(&format!("G0 Z50\n{call}\nG1 Z50 X1 F600"));
     let measures = measures(&text);
     let way = |call: &str| {
         let reading = of(&framed(&format!("G0 Z50\n{call}")));
@@ -20,6 +20,8 @@ fn each_cycle_makes_its_moves() {
     for (call, expected) in [
         ("CYCLE81(20,0,2,-10)", [12.0, 48.0 + 30.0, 0.0]),
         ("CYCLE81(20,0,2,,10)", [12.0, 78.0, 0.0]),
+        ("CYCLE81(20, 0, 2, -10, , 0, 0, 10)", [12.0, 78.0, 0.0]),
+        ("CYCLE83(20,0,2,-10,,-4,,0,,,1,0,,4,0.5,0.5,0,0,0,1001110)", [14.0, 78.0, 0.5]),
         ("CYCLE82(20,0,2,-10,0,1.5)", [12.0, 78.0, 1.5]),
         ("CYCLE82(20,0,2,-10,,-30)", [12.0, 78.0, 1.8]),
         ("CYCLE82(20,0,2,-10,0,0.6,0,1,12)", [12.0, 78.0, 0.6]),
@@ -77,6 +79,7 @@ fn parameters_that_contradict_are_refused() {
         ("CYCLE81(10,0,2,-5,,,0,2)", "_DMODE"),
         ("CYCLE81(10,0,2,-5,,,0,1,112)", "_AMODE"),
         ("CYCLE83(10,0,2,-5,,-9)", "FDEP"),
+        ("CYCLE83(10,0,2,-5,,-1,,2)", "_DAM"),
         ("CYCLE83(10,0,2,-5,,-1,,,,,,2)", "VARI"),
         ("CYCLE84(10,0,2,-5,,,3,,,,400)", "PIT"),
         ("CYCLE84(10,0,2,-5,,,3,7,,,400)", "PIT"),

@@ -49,6 +49,9 @@ fn subprograms_take_values_and_repeat() {
                 %_N_ROW_SPF\nPROC ROW(REAL LEN=1, INT COUNT) DISPLOF\nG91 G1 X=LEN\nY=COUNT\nRET\n\
                 %_N_L100_SPF\nG91 G1 X1\nM17\n";
     close(&[measures(text).cutting_length_mm], &[7.0 + 3.0 + 2.0 + 1.0]);
+    // Percent signs alone begin no program.
+    let marked = "%_N_PART_MPF\n%\nG0 X0 Y0 Z0\nG1 X5 F100\nM30\n%\n";
+    close(&[measures(marked).cutting_length_mm], &[5.0]);
     let nested = "G710 G90 F600\nG0 X0 Y0 Z0\nOUTER\nM30\nPROC OUTER\nDEF REAL AA=3\nINNER(AA*2)\nG1 X=AA\nRET\n\
                   PROC INNER(REAL AA)\nG1 X=AA\nM30";
     close(&[measures(nested).cutting_length_mm], &[9.0]);

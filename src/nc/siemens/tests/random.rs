@@ -1,5 +1,7 @@
 //! Random texts and random changes of good programs: no input may panic or hang.
 
+use std::time::{Duration, Instant};
+
 use super::*;
 use crate::siemens::tests::programs::PROGRAMS;
 
@@ -16,10 +18,15 @@ impl Numbers {
     }
 }
 
-fn must_end(text: &[u8]) {
+fn must_end(text: &[u8], budget: &Budget) {
     let siemens = Control::named("siemens").unwrap();
     let job = ReadJob { most_moves: 2000, ..ReadJob::plain(text, siemens) };
-    let _ = read(&job, &Budget::unlimited());
+    let _ = read(&job, budget);
+}
+
+/// Loops that run millions of blocks would take the whole time of a test.
+fn short() -> Budget {
+    Budget::unlimited().with_deadline(Instant::now() + Duration::from_millis(20))
 }
 
 #[test]
@@ -112,7 +119,7 @@ fn random_bytes_and_words_do_not_panic() {
                 text.push(b' ');
             }
         }
-        must_end(&text);
+        must_end(&text, &short());
     }
 }
 
@@ -141,9 +148,39 @@ fn changed_programs_do_not_panic() {
                 break;
             }
         }
-        // Loops that a change makes endless would take the whole time.
-        if !text.windows(4).any(|word| word == b"GOTO") {
-            must_end(&text);
-        }
+        must_end(&text, &short());
+    }
+}
+
+#[test]
+fn long_texts_take_little_time() {
+    let line = |piece: &str, n: usize| piece.repeat(n);
+    let texts = [
+        line("R1=1 ", 200_000),
+        line("M6", 500_000),
+        line("R1=1+", 1) + &line("1+", 500_000) + "1",
+        line("G1X1", 250_000),
+        line("%A\n", 300_000),
+        line("AA:\n", 250_000) + "REPEAT AA P=100000",
+        line("AA:\n", 250_000) + "GOTOB AA",
+        line("LOOP\n", 200_000),
+        line("IF 1\n", 100_000) + &line("ENDIF\n", 100_000),
+        String::from("LOOP\nG1 X1 F1\nMCALL CYCLE83(99,0,1,-99,,-0.001)\nG0 X1\nENDLOOP"),
+        String::from("LOOP\nHOLES2(0,0,5,0,0,9999)\nENDLOOP"),
+        String::from("LOOP\nSUB_A\nENDLOOP\nM30\nPROC SUB_A\nDEF REAL FIELD[9999]\nRET"),
+        line("MSG(", 200_000),
+        line("\"", 300_001),
+        line("X=", 300_000),
+        line("G4 F1\n", 200_000),
+        line("G505\nG506\n", 100_000),
+        line("RNDM=1 G1 X1 F1\nY1\nX0\nY0\n", 20_000),
+        line("DEF REAL AB\n", 100_000),
+        String::from("CASE 1 OF ") + &line("2 GOTOF AA ", 80_000),
+    ];
+    for text in texts {
+        let start = Instant::now();
+        must_end(text.as_bytes(), &Budget::unlimited());
+        let took = start.elapsed().as_secs_f64();
+        assert!(took < 20.0, "{took} s: {}", &text[..text.len().min(40)]);
     }
 }

@@ -61,6 +61,14 @@ fn faults_are_told_with_their_words() {
         ("CIP X10 Y0 I1=5 J1=0", "CIP X10 Y0 I1=5 J1=0", Fault::NoCenter),
         ("G91 SUPA G0 X0", "G91 SUPA G0 X0", Fault::Conflict),
         ("G4 X5 F1", "X5", Fault::UnusedWord),
+        ("UNTIL R1", "UNTIL R1", Fault::OpenLoop),
+        ("DEF REAL AA, AA", "REAL AA, AA", Fault::BadExpression),
+        ("TRANS X5 CR=3", "CR=3", Fault::UnusedWord),
+        ("G110 AP=IC(5) RP=3", "AP=IC(5)", Fault::BadExpression),
+        ("G2 X5 Y5 CR=IC(5)", "CR=IC(5)", Fault::BadExpression),
+        ("G74", "G74", Fault::NoAxis),
+        ("G1 X5 \"", "\"", Fault::NoWord),
+        ("G1 X1,5", ",", Fault::NoWord),
         ("F=-5 G1 X5", "F=-5", Fault::OutOfRange(-5.0)),
     ] {
         let found = framed_faults(lines);
@@ -70,6 +78,8 @@ fn faults_are_told_with_their_words() {
 
 #[test]
 fn arcs_whose_radii_differ_are_refused_as_by_alarm_14040() {
+    // An arc that a rounding leaves in one point is no circle.
+    assert_eq!(framed_faults("G2 X10 Y10 I10 J0 RND=5\nX0 Y0 CR=10")[0].2, Fault::NoCorner);
     close(&[cut("G2 X10.009 Y10 I10 J0").round()], &[16.0]);
     assert!(matches!(framed_faults("G2 X10 Y10.05 I10 J0")[0].2, Fault::Arc(_)));
 }

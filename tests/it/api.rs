@@ -13,6 +13,7 @@ mod events;
 mod examples;
 mod five_axis;
 mod golden;
+mod languages;
 mod models;
 mod mtconnect;
 mod negotiation;

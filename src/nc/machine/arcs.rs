@@ -100,27 +100,6 @@ impl Machine<'_> {
         self.at = to;
     }
 
-    /// An arc to `to` of a radius of the program, mm; a negative one makes the longer arc. `span` is where the
-    /// radius stands in the line.
-    #[allow(dead_code)]
-    pub(crate) fn arc_of_radius(
-        &mut self,
-        line: Line<'_>,
-        to: At,
-        radius_mm: f64,
-        direction: Direction,
-        span: [usize; 2],
-    ) {
-        let direction = self.sense_placed(line, direction);
-        if let (Some(direction), Some(ends)) = (direction, self.ends(line, &to))
-            && let Some((ends, center, allowed_mm)) =
-                self.center_by_radius(line, span, ends, direction, radius_mm)
-        {
-            self.turn(line, ends, center, direction, 1, allowed_mm);
-        }
-        self.at = to;
-    }
-
     /// The sense of an arc where it lies. Refuses one that a scaling makes an ellipse.
     fn sense_placed(&mut self, line: Line<'_>, direction: Direction) -> Option<Direction> {
         match self.placement.in_plane(self.plane) {

@@ -55,7 +55,7 @@ async fn refusals_are_told_together_with_line_column_and_word() {
     let alone = read("", "G21 G0 X1\nM2\n").await;
     assert_eq!(alone.status, 422);
     assert_eq!(parsed(&alone)["code"], "no_motion");
-    assert_eq!(read("dialect=siemens", "G0 X1\n").await.status, 400);
+    assert_eq!(read("dialect=deckel", "G0 X1\n").await.status, 400);
     let offsets = json!({ "nc": "M2", "offsets": [{ "name": "G53", "zero": [0, 0, 0] }] }).to_string();
     let answer = post(&app(&["--workers", "1"]), PATH, offsets, &[]).await;
     assert_eq!(answer.violations(), [("unknown_value".to_owned(), "#/offsets/0/name".to_owned())]);
@@ -68,4 +68,39 @@ async fn a_pass_behind_an_unknown_way_has_its_own_start() {
     assert_eq!(answer["toolpath"]["passes"][1]["start"], json!([9.0, 9.0, 9.0]));
     close(&answer["measures"]["rapid_length_mm"], 2.0);
     assert_eq!(answer["warnings"][0]["code"], "long_dwell");
+}
+
+#[tokio::test]
+async fn the_state_behind_each_block_is_told() {
+    let text = "G21 G90 G17\nT3 M6\nG0 X0 Y0 Z5\nG1 X10 F100 S900 M3\nG2 X20 I5\nM2\n";
+    let answer = parsed(&read("trace=true&toolpath=false", text).await);
+    let trace = answer["report"]["trace"].as_array().expect("a trace").clone();
+    let of = |k: usize, name: &str| trace[k][name].clone();
+    assert_eq!((trace.len(), of(3, "line"), of(3, "motion")), (6, json!(4), json!("line")));
+    assert_eq!((of(3, "feed"), of(3, "spindle_rpm"), of(3, "tool")), (json!(100.0), json!(900.0), json!(3)));
+    assert_eq!((of(4, "motion"), of(4, "at")), (json!("arc_clockwise"), json!([20.0, 0.0, 5.0])));
+    assert_eq!((of(0, "motion"), of(0, "at")), (json!(null), json!([null, null, null])));
+    let plain = parsed(&read("toolpath=false", text).await);
+    assert_eq!(plain["report"].get("trace"), None);
+}
+
+#[tokio::test]
+async fn cutter_compensation_is_computed_for_a_radius() {
+    let text = "G21 G90 G17\nG0 X0 Y0 Z0\nG41 G1 X10 Y0 F100\nX30\nG40 X50\nM2\n";
+    let refused = read("", text).await;
+    assert_eq!(refused.violations()[0].0, "unsupported");
+    let answer = read("compensation=compute&cutter_radius_mm=2", text).await;
+    let bounds = parsed(&answer)["measures"]["bounds"].clone();
+    assert_eq!((&bounds["max"][1], &bounds["max"][0]), (&json!(2.0), &json!(50.0)), "{}", answer.text());
+    let none = read("compensation=compute", text).await;
+    assert!(none.text().contains("cutter_radius_mm"), "{}", none.text());
+    assert_eq!(read("compensation=compute&cutter_radius_mm=0", text).await.status, 400);
+}
+
+#[tokio::test]
+async fn tools_are_told_by_name() {
+    let text = "G71 G90 G17\nT=\"MILL_10\"\nM6\nG0 X0 Y0 Z5\nG1 X10 F100 S900 M3\nM30\n";
+    let answer = read("dialect=siemens", text).await;
+    let tool = parsed(&answer)["report"]["tools"][0].clone();
+    assert_eq!((&tool["name"], &tool["number"]), (&json!("MILL_10"), &json!(null)), "{}", answer.text());
 }

@@ -33,11 +33,14 @@ fn violation(refusal: &Refusal, at: &Pointer) -> FieldError {
 fn code(fault: &Fault) -> FieldCode {
     use Fault::*;
     match fault {
-        NotRead | OtherAxis | Compensation | UnknownRadius | AtMachine | NoPoint => FieldCode::Unsupported,
+        NotRead | OtherAxis | Compensation | UnknownRadius | AtMachine | NoPoint | TiltedArc
+        | UnsureParameter(_) | UnsureFeed | IncrementOfNewZero => FieldCode::Unsupported,
         NoWord | NoNumber | OpenComment | BadExpression | TooDeep => FieldCode::Syntax,
         NoFeed | NoInverseTime | NoSpindleSpeed => FieldCode::FeedRequired,
-        Arc(_) | SmallRadius { .. } | ClosedRadius | NoCenter => FieldCode::NoArc,
-        Endless(_) | TooManyMoves(_) | DeepCalls(_) => FieldCode::LimitExceeded,
+        Arc(_) | SmallRadius { .. } | ClosedRadius | NoCenter | Ellipse | NoTangent | NoPole => {
+            FieldCode::NoArc
+        }
+        Endless(_) | TooManyMoves(_) | DeepCalls(_) | LongBlock(_) => FieldCode::LimitExceeded,
         _ => FieldCode::RefusedWord,
     }
 }
@@ -61,7 +64,12 @@ impl From<&Note> for Warning {
     fn from(note: &Note) -> Self {
         let fact = note.to_string();
         let (code, advice) = match note {
-            Note::UnitsAssumed { .. } => (WarningCode::UnitsAssumed, "send `units` if that is wrong"),
+            Note::UnitsAssumed { .. } | Note::BasicUnits { .. } => {
+                (WarningCode::UnitsAssumed, "send `units` if that is wrong")
+            }
+            Note::LengthAxisAssumed { .. } | Note::ScalesAllAxes { .. } => {
+                (WarningCode::SettingAssumed, "check this setting of the control")
+            }
             Note::LeastIncrements { .. } => {
                 (WarningCode::PointsMissing, "send `without_point: units` if the control reads whole units")
             }

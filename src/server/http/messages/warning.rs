@@ -97,6 +97,8 @@ pub enum WarningCode {
     ArcsMadeExact,
     /// Whether centres are incremental or absolute was found from the arcs.
     CentersAssumed,
+    /// A setting of the control decides what a word means, and one of its values is taken.
+    SettingAssumed,
     /// A tapping cycle is taken to follow its feed.
     TappingAssumed,
     /// `cutting.clearance_z_mm` is absent: the service chose a clearance plane above everything that is cut.

@@ -29,8 +29,8 @@
 //!   turn.
 //! * Blocks that rely on a mode or on a position that is not known, for example after a macro. At its start,
 //!   a program is taken to be in mm, with absolute coordinates, in the XY plane, and with feeds per minute.
-//! * Numbered blocks behind a line that can jump to a block number. The rewriter does not keep the numbers of
-//!   the blocks that it replaced before that line, so a jump back to one of them no longer finds its block.
+//! * Blocks to which the program jumps. A jump behind the first [`SCANNED`] bytes to a block that was replaced
+//!   is an error.
 //!
 //! # Degenerate input
 //! A line longer than [`MAX_LINE_LENGTH`] is an error. Text of any encoding is copied.
@@ -40,12 +40,16 @@
 //! time.
 
 mod block;
+mod figures;
+mod labels;
 mod modes;
 mod run;
 mod stretches;
 mod text;
 
 use self::block::{Block, MAX_RUN_BLOCK_LENGTH};
+pub use self::figures::{Figures, LeftAlone, RewriteError};
+use self::labels::Labels;
 use self::modes::{Modes, Needs};
 use self::run::{OpenRun, Style};
 use self::stretches::Fitting;
@@ -63,6 +67,9 @@ pub const WINDOW: usize = 4096;
 /// The longest line that is read, bytes with the line end. Bounds the memory that one line takes.
 pub const MAX_LINE_LENGTH: usize = 64 * 1024;
 
+/// Bytes whose jumps are found before anything is written. More would hold back answers to long programs.
+pub const SCANNED: usize = 256 * 1024;
+
 /// A run of fewer blocks stays as it is: two blocks can hardly become shorter.
 const MIN_BLOCKS: usize = 3;
 
@@ -77,58 +84,6 @@ pub struct RewriteJob {
     /// the path to be open. Tangent continuity, if asked for, ends at windows, at kept blocks, and where a
     /// curve was fitted again because rounding had moved it too far.
     pub fit: Fit,
-}
-
-/// What changed in an NC program.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = ProgramReport))]
-pub struct Figures {
-    /// Number of runs of G1 blocks that were replaced.
-    pub n_runs: u64,
-    /// Number of points in these runs: the ends of the G1 blocks.
-    pub n_points: u64,
-    /// Number of arcs and helices in these runs after the rewriting.
-    pub n_arcs: u64,
-    /// Number of straight moves in these runs after the rewriting.
-    pub n_lines: u64,
-    /// Proved largest distance between the new blocks and the straight moves that they replace, in mm,
-    /// measured from each to the other. Because coordinates are rounded, the radii at the start and at the
-    /// end of an arc differ slightly; the bound holds for every radius between the two that the control may
-    /// use.
-    pub deviation_max_mm: f64,
-    /// Number of blocks of the program that move an axis.
-    pub n_motions: u64,
-    /// How many cutting blocks were left as they were, by reason.
-    pub left_alone: LeftAlone,
-    /// Length of the program as sent, in bytes.
-    pub bytes_in: u64,
-    /// Length of the program as answered, in bytes.
-    pub bytes_out: u64,
-}
-
-/// How many cutting blocks were left as they were, by reason.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema))]
-pub struct LeftAlone {
-    /// Number of blocks with variables, expressions, or words that the service does not understand.
-    pub macros: u64,
-    /// Number of blocks that move axes other than X, Y and Z.
-    pub other_axes: u64,
-    /// Number of blocks under cutter compensation, absolute centres, inverse time feed, or an unknown mode.
-    pub modes: u64,
-}
-
-/// Why a program is not rewritten to its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum RewriteError {
-    #[error(transparent)]
-    Stopped(#[from] Stopped),
-    #[error("line {line} is longer than {limit} bytes; split the line")]
-    LineTooLong {
-        /// From 1.
-        line: u64,
-        limit: usize,
-    },
 }
 
 /// Rewrites one program. After an error the rewriter cannot go on.
@@ -146,9 +101,13 @@ pub struct Rewriter {
     written_block: String,
     line_end: &'static [u8],
     n_lines: u64,
-    /// A line before may jump (GOTO, M97, M99 P), so the program may arrive at any numbered block. Such a
-    /// block is in no run, and the modes before it are those of `Modes::forgotten`.
-    may_jump: bool,
+    /// Blocks at which the program may arrive: they are in no run, and `Modes::forgotten` holds before them.
+    labels: Labels,
+    /// The start of the program, until its jumps have been found.
+    held: Vec<u8>,
+    is_scanned: bool,
+    /// The S in force, where it is known, in millionths.
+    speed: Option<i64>,
     figures: Figures,
 }
 
@@ -172,7 +131,10 @@ impl Rewriter {
             written_block: String::new(),
             line_end: b"\n",
             n_lines: 0,
-            may_jump: false,
+            labels: Labels::default(),
+            held: Vec::new(),
+            is_scanned: false,
+            speed: None,
             figures: Figures::default(),
         }
     }
@@ -182,8 +144,25 @@ impl Rewriter {
     /// # Errors
     /// When the budget is spent or a line is too long.
     pub fn push(&mut self, bytes: &[u8], out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
-        let before = out.len();
         self.figures.bytes_in += bytes.len() as u64;
+        if self.is_scanned {
+            return self.take(bytes, out, budget);
+        }
+        self.held.extend_from_slice(bytes);
+        if self.held.len() > SCANNED { self.scan(out, budget) } else { Ok(()) }
+    }
+
+    /// Finds the jumps of the start of the program, and rewrites it.
+    fn scan(&mut self, out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
+        self.is_scanned = true;
+        let held = std::mem::take(&mut self.held);
+        budget.check()?;
+        self.labels.find(&held);
+        self.take(&held, out, budget)
+    }
+
+    fn take(&mut self, bytes: &[u8], out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
+        let before = out.len();
         for part in bytes.split_inclusive(|&c| c == b'\n') {
             let is_whole = part.ends_with(b"\n");
             if is_whole && self.partial.is_empty() {
@@ -205,6 +184,9 @@ impl Rewriter {
     /// # Errors
     /// As [`Rewriter::push`].
     pub fn finish(&mut self, out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
+        if !self.is_scanned {
+            self.scan(out, budget)?;
+        }
         let before = out.len();
         if !self.partial.is_empty() {
             self.partial_line(out, budget)?;
@@ -245,14 +227,14 @@ impl Rewriter {
             self.line_end = end;
         }
         let text = &line[..line.len() - end.len()];
-        let block = Block::read(text);
+        let block = if self.n_lines == 1 { Block::read_first(text) } else { Block::read(text) };
         let may_be_in_run = text.len() <= MAX_RUN_BLOCK_LENGTH && block.may_be_in_run();
         if may_be_in_run && self.join(line, &block, out, budget)? {
             self.figures.n_motions += 1;
         } else {
             self.end_run(out, budget)?;
-            self.count(&block);
-            self.pass(line, &block, out);
+            self.count(text, &block);
+            self.pass(line, &block, out)?;
         }
         Ok(())
     }
@@ -267,8 +249,8 @@ impl Rewriter {
         budget: &Budget,
     ) -> Result<bool, RewriteError> {
         let is_line = block.g.has(10) || self.modes.motion == Some(Motion::Line);
-        let may_arrive = self.may_jump && !block.number.is_empty();
-        if !is_line || may_arrive || !self.modes.allow_runs() {
+        let has_speed = block.speed.is_none_or(|speed| Some(speed.millionths) == self.speed);
+        if !is_line || !has_speed || self.may_arrive(line, block) || !self.modes.allow_runs() {
             return Ok(false);
         }
         let Some(step) = self.run.step(block, &self.modes, self.job.dialect) else { return Ok(false) };
@@ -285,32 +267,37 @@ impl Rewriter {
     }
 
     /// Counts a line that is in no run.
-    fn count(&mut self, block: &Block) {
+    fn count(&mut self, line: &[u8], block: &Block) {
         let named = [0, 10, 20, 30].into_iter().find(|motion| block.g.has(*motion));
-        let is_motion = (block.has_axes() || block.is_unclear && !block.is_assignment)
-            && (named.is_some() || self.modes.motion.is_some());
-        if !is_motion {
+        let is_unknown = named.is_none() && self.modes.motion.is_none();
+        let moves = match (block.is_unclear, is_unknown) {
+            (true, _) => !is_unknown && !block.is_assignment,
+            (false, true) => block.has_axes() && block.g.all().is_empty(),
+            (false, false) => block.has_axes(),
+        };
+        if !moves {
             return;
         }
         self.figures.n_motions += 1;
         let is_line = named.map_or(self.modes.motion == Some(Motion::Line), |motion| motion == 10);
-        if !is_line {
-            return;
-        }
-        let LeftAlone { macros, other_axes, modes } = &mut self.figures.left_alone;
-        if block.is_unclear {
-            *macros += 1;
-        } else if block.has_other_axes() {
-            *other_axes += 1;
-        } else if !self.modes.allow_runs() {
-            *modes += 1;
+        if is_line || is_unknown {
+            let (may_arrive, allows_runs) = (self.may_arrive(line, block), self.modes.allow_runs());
+            self.figures.left_alone.add(block, may_arrive, allows_runs && !is_unknown);
         }
     }
 
+    /// Whether the program may jump to a block.
+    fn may_arrive(&self, line: &[u8], block: &Block) -> bool {
+        self.labels.hold(&line[block.number.clone()])
+    }
+
     /// Writes a line that is in no run, and follows its words.
-    fn pass(&mut self, line: &[u8], block: &Block, out: &mut Vec<u8>) {
+    fn pass(&mut self, line: &[u8], block: &Block, out: &mut Vec<u8>) -> Result<(), RewriteError> {
         let dialect = self.job.dialect;
-        let may_arrive = self.may_jump && !block.number.is_empty();
+        let may_arrive = self.may_arrive(line, block);
+        if !self.labels.meet(line, block) {
+            return Err(RewriteError::LateJump { line: self.n_lines, limit: SCANNED });
+        }
         let before = if may_arrive { self.modes.forgotten() } else { self.modes };
         let (next, needs) = before.read(block, dialect);
         let needs = if may_arrive { Needs::ALL } else { needs };
@@ -322,8 +309,14 @@ impl Rewriter {
         } else {
             out.extend_from_slice(line);
         }
-        self.may_jump |= block.jumps || block.m.has(970) || block.m.has(990) && block.has(b"P");
+        let is_certain = next.distance.is_some() && !block.is_optional && !may_arrive;
+        self.speed = match block.speed {
+            _ if !is_certain => None,
+            Some(speed) => Some(speed.millionths),
+            None => self.speed,
+        };
         self.modes = next;
+        Ok(())
     }
 
     fn end_run(&mut self, out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
@@ -349,6 +342,9 @@ impl Rewriter {
             }
             None => self.output.keep(&self.run, 0, end, out),
         };
+        if written.is_some() {
+            self.labels.replace(self.run.number_words(end));
+        }
         if is_long || self.run.is_continued {
             let figures = &mut self.figures;
             figures.n_runs += u64::from(!self.run.is_continued);
@@ -356,6 +352,8 @@ impl Rewriter {
             figures.n_arcs += tally.arcs;
             figures.n_lines += tally.lines;
             figures.deviation_max_mm = figures.deviation_max_mm.max(tally.deviation_mm);
+        } else {
+            self.figures.left_alone.short_runs += end as u64;
         }
         self.run.drain(end);
         Ok(())

@@ -276,7 +276,7 @@ impl Compensation {
         to[n] = step.curve.end()[n];
         let start = self.local(&self.tip);
         let too_large = (step.line, Fault::CutterTooLarge);
-        let real = if let Entry::Arc(arc) = entry { Curve::Arc(*arc) } else { step.curve.clone() };
+        let real = if let Entry::Arc(arc) = entry { Curve::Arc(*arc) } else { step.curve };
         let curve = match (&real, own) {
             (Curve::Arc(arc), Some(own)) => {
                 let swept = own.swept(start, end).ok_or(too_large)?;

@@ -98,11 +98,10 @@ impl Machine<'_> {
     pub(crate) fn rapid(&mut self, line: Line<'_>, to: At) {
         let moves = to != self.at || to.contains(&None);
         match (Self::place(&self.at), Self::place(&to)) {
-            (Ok(from), Ok(to)) if self.is_compensating() => {
-                if from != to {
-                    self.follow(Curve::Line(Segment { start: from, end: to }), None, line);
-                }
+            (Ok(from), Ok(to)) if self.is_compensating() && from != to => {
+                self.follow(Curve::Line(Segment { start: from, end: to }), None, line);
             }
+            (Ok(_), Ok(_)) if self.is_compensating() => {}
             (Ok(from), Ok(to)) => {
                 let [from, to] = self.displace(from, to);
                 if let Err(error) = self.record.rapid(from, to, line.number) {

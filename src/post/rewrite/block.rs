@@ -14,7 +14,13 @@ const OTHER_AXES: &[u8] = b"ABCUVW";
 const PARAMETERS: &[u8] = b"DHIJKLOPQRST";
 
 /// The only letters that a block of a run may have.
-const RUN_LETTERS: &[u8] = b"GXYZF";
+const RUN_LETTERS: &[u8] = b"GXYZFS";
+
+/// Letters whose numbers may have more decimals than are kept.
+const LENGTHS: &[u8] = b"XYZABCUVWIJKRF";
+
+/// A mark of the order of bytes at the start of a text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// The content of a line. Places are byte ranges in the line.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -23,6 +29,9 @@ pub struct Block {
     pub m: Codes,
     pub axes: [Option<Decimal>; 3],
     pub feed: Option<(Decimal, Range<usize>)>,
+    pub speed: Option<Decimal>,
+    /// A number has more than six decimals, and is rounded.
+    pub is_rounded: bool,
     /// A bit for every letter of the line; see [`Block::has`].
     letters: u32,
     /// Of the N word at the start; empty where there is none.
@@ -59,9 +68,23 @@ impl Block {
         block
     }
 
-    /// Whether the line gives only the end of a G1 block, and at most its feed.
+    /// Reads the first line of a text, before which a mark of the order of bytes may stand.
+    pub fn read_first(line: &[u8]) -> Self {
+        let Some(rest) = line.strip_prefix(BYTE_ORDER_MARK) else { return Self::read(line) };
+        let mut block = Self::read(rest);
+        let shift = BYTE_ORDER_MARK.len();
+        block.number = block.number.start + shift..block.number.end + shift;
+        (block.first, block.end) = (block.first + shift, block.end + shift);
+        if let Some((_, place)) = &mut block.feed {
+            *place = place.start + shift..place.end + shift;
+        }
+        block
+    }
+
+    /// Whether the line gives only the end of a G1 block, and at most its feed and its speed.
     pub fn may_be_in_run(&self) -> bool {
-        let is_plain = !(self.is_unclear || self.is_optional || self.has_comment || self.has_tape_mark);
+        let is_marked = self.is_optional || self.has_comment || self.has_tape_mark;
+        let is_plain = !(self.is_unclear || self.is_rounded || is_marked);
         let others = self.letters & !bits(RUN_LETTERS);
         is_plain && others == 0 && matches!(self.g.all(), [] | [10]) && self.axes.iter().any(Option::is_some)
     }
@@ -100,7 +123,16 @@ impl Block {
             self.is_spaced |= self.end > 0 && place.start > self.end;
             self.end = place.end;
             match token {
-                Token::Word { letter, value, .. } => self.word(letter, value?, place)?,
+                Token::Word { letter, number, value } => {
+                    let value = match value {
+                        Some(value) => value,
+                        None => {
+                            self.is_rounded = true;
+                            rounded(letter, number)?
+                        }
+                    };
+                    self.word(letter, value, place)?;
+                }
                 Token::Comment { is_closed: true } => self.has_comment = true,
                 Token::TapeMark => self.has_tape_mark = true,
                 Token::Comment { is_closed: false } | Token::BlockDelete | Token::Unknown => return None,
@@ -121,6 +153,7 @@ impl Block {
             b'M' => return self.m.push(number.tenths()?),
             b'X' | b'Y' | b'Z' => self.axes[usize::from(letter - b'X')] = Some(number),
             b'F' => self.feed = Some((number, place)),
+            b'S' => self.speed = Some(number),
             _ if OTHER_AXES.contains(&letter) || PARAMETERS.contains(&letter) => {}
             _ => return None,
         }
@@ -139,6 +172,13 @@ enum Beginning {
     Words,
     /// The beginning is over.
     Over,
+}
+
+/// The number of a length with more than six decimals, to the nearest millionth.
+fn rounded(letter: u8, number: &[u8]) -> Option<Decimal> {
+    let value: f64 = std::str::from_utf8(number).ok()?.parse().ok()?;
+    let is_legal = LENGTHS.contains(&letter) && value.abs() < 1e6;
+    is_legal.then(|| Decimal { millionths: (value * 1e6).round() as i64, decimals: 6, has_point: true })
 }
 
 /// Whether the token is N with digits alone.
@@ -165,13 +205,38 @@ mod tests {
 
     #[test]
     fn a_block_of_a_run_has_a_number_g1_coordinates_and_a_feed_only() {
-        for line in ["X1", "n10 g01 x.5 Y -3 F100", "  Z+3.", "G1X1Y2Z3F4", "N 7X-0", "X1 G1"] {
+        for line in ["X1", "X1 S5", "n10 g01 x.5 Y -3 F100", "  Z+3.", "G1X1Y2Z3F4", "N 7X-0", "X1 G1"] {
             assert!(Block::read(line.as_bytes()).may_be_in_run(), "{line}");
         }
         let others = [
-            "", " ", "N10", "G1", "F100", "G1 F100", "X1 X2", "G1 G1 X1", "G0 X1", "G2 X1", "X1 (a)", "X1;",
-            "/X1", "X#1", "X[1]", "A1", "X1 M8", "%", "X1 0", "X1.2.3", "X", "N X1", "X1 S5", "G1.5 X1",
-            "X1e5", "X1 %", "X1 O5",
+            "",
+            " ",
+            "N10",
+            "G1",
+            "F100",
+            "G1 F100",
+            "X1 X2",
+            "G1 G1 X1",
+            "G0 X1",
+            "G2 X1",
+            "X1 (a)",
+            "X1;",
+            "/X1",
+            "X#1",
+            "X[1]",
+            "A1",
+            "X1 M8",
+            "%",
+            "X1 0",
+            "X1.2.3",
+            "X",
+            "N X1",
+            "X1 T5",
+            "G1.5 X1",
+            "X1e5",
+            "X1 %",
+            "X1 O5",
+            "X1.0000000000001",
         ];
         for line in others {
             assert!(!Block::read(line.as_bytes()).may_be_in_run(), "{line}");

@@ -216,7 +216,10 @@ impl OpenBlock {
                 self.needs.motion = MotionNeed::Word;
             }
             let rounds_corners = !is_arc && has_center;
-            self.loses_place |= self.modes.motion.is_none() || rounds_corners || block.has_other_axes();
+            // Rounded distances would add up.
+            let adds_up = block.is_rounded && self.modes.distance != Some(Distance::Absolute);
+            self.loses_place |=
+                self.modes.motion.is_none() || rounds_corners || block.has_other_axes() || adds_up;
             for (axis, word) in block.axes.iter().enumerate() {
                 if let Some(word) = word {
                     self.modes.at[axis] = self.modes.reached(axis, *word, dialect);

@@ -145,6 +145,11 @@ impl OpenRun {
         }
     }
 
+    /// The N words of the first `count` blocks.
+    pub fn number_words(&self, count: usize) -> impl Iterator<Item = &[u8]> {
+        self.blocks[..count].iter().map(|block| &self.text[block.text.clone()][block.number.clone()])
+    }
+
     /// Forgets the first `count` blocks.
     pub fn drain(&mut self, count: usize) {
         self.is_continued = true;

@@ -244,6 +244,54 @@ fn numbered_blocks_behind_a_jump_stay() {
 }
 
 #[test]
+fn a_block_to_which_the_program_jumps_back_keeps_its_number_and_its_place() {
+    let run = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
+    let numbered: String = run.lines().enumerate().map(|(k, line)| format!("N{k} {line}\n")).collect();
+    let start = "G90 G17 G0 X20 Y0 Z0\nG1 F100\n";
+    for jump in ["IF[#1 EQ 2]GOTO 20\n", "M99 P20\n", "M97 P20\n"] {
+        let output = rewritten(&format!("{start}{numbered}{jump}"));
+        let label = run.lines().nth(20).unwrap();
+        assert!(output.lines().any(|line| line.starts_with("N20 ") && line.ends_with(label)), "{output}");
+        // What stands before the label is shorter. Behind it the modes are those of the jump.
+        assert!(output.lines().count() < 28 && output.contains("G3"), "{output}");
+    }
+    let program = format!("{start}{numbered}GOTO #5\n");
+    assert_eq!(rewritten(&program), program);
+}
+
+#[test]
+fn a_late_jump_to_a_replaced_block_is_an_error() {
+    let mut rewriter = Rewriter::new(job(&FANUC));
+    let (budget, mut out) = (Budget::unlimited(), Vec::new());
+    let run = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
+    let numbered: String = run.lines().enumerate().map(|(k, line)| format!("N{k} {line}\n")).collect();
+    rewriter
+        .push(format!("G90 G17 G0 X20. Y0. Z0.\nG1 F100.\n{numbered}").as_bytes(), &mut out, &budget)
+        .unwrap();
+    rewriter.push(&b"(a)\n".repeat(SCANNED / 4 + 1), &mut out, &budget).unwrap();
+    let late = rewriter.push(b"GOTO 20\n", &mut out, &budget);
+    assert!(matches!(late, Err(RewriteError::LateJump { limit: SCANNED, .. })), "{late:?}");
+}
+
+#[test]
+fn repeated_speeds_and_long_numbers_leave_no_program_alone() {
+    let run = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
+    let start = "\u{feff}G90 G17 G0 X20 Y0 Z0 S255\nG1 F100\n";
+    let spoken: String = run.lines().map(|line| format!("{line} S255\n")).collect();
+    let (_, figures) = rewritten_as(&LINUXCNC, format!("{start}{spoken}").as_bytes(), 7);
+    assert_eq!((figures.n_points, figures.n_arcs), (40, 1));
+    let (_, figures) =
+        rewritten_as(&LINUXCNC, format!("{start}{}", spoken.replacen("S255", "S25", 20)).as_bytes(), 7);
+    assert_eq!((figures.n_points, figures.left_alone.other_words), (38, 2));
+    let lines: Vec<&str> = run.lines().collect();
+    let long = lines[20].replace(" Y", "0000000003 Y");
+    let text = format!("{start}{}\n{long}\n{}\n", lines[..20].join("\n"), lines[21..].join("\n"));
+    let (output, figures) = rewritten_as(&LINUXCNC, text.as_bytes(), 7);
+    assert_eq!((figures.n_points, figures.n_arcs, figures.left_alone.other_words), (39, 2, 1));
+    assert!(String::from_utf8(output).unwrap().contains(&long));
+}
+
+#[test]
 fn centers_are_absolute_under_g90_1() {
     let run = arc(['X', 'Y', 'Z'], 80, 1.5, 0.0);
     let output = check("G90.1\nG0 X20 Y0 Z0\nG1 F100\n", &run, "(a)\n");
@@ -289,9 +337,10 @@ fn a_long_line_and_a_spent_budget_are_errors() {
     rewriter.push(&[b'\n'; 3], &mut out, &budget).unwrap();
     rewriter.push(&vec![b'('; MAX_LINE_LENGTH], &mut out, &budget).unwrap();
     let limit = MAX_LINE_LENGTH;
-    assert_eq!(rewriter.push(b"x", &mut out, &budget), Err(RewriteError::LineTooLong { line: 4, limit }));
+    rewriter.push(b"x", &mut out, &budget).unwrap();
+    assert_eq!(rewriter.finish(&mut out, &budget), Err(RewriteError::LineTooLong { line: 4, limit }));
     budget.cancel();
-    let stopped = Rewriter::new(job(&LINUXCNC)).push(b"\n", &mut out, &budget);
+    let stopped = Rewriter::new(job(&LINUXCNC)).finish(&mut out, &budget);
     assert_eq!(stopped, Err(RewriteError::Stopped(Stopped::Cancelled)));
 }
 

@@ -104,6 +104,11 @@ pub enum Compensation {
     Compute,
 }
 
+/// The cutter for `compensation: compute`, where its radius is given.
+fn cutter_of(settings: &ReadQuery) -> Vec<Cutter> {
+    settings.cutter_radius_mm.map(|radius_mm| Cutter { number: None, radius_mm }).into_iter().collect()
+}
+
 /// The control of a dialect.
 fn control_of(name: Option<&str>) -> Result<&'static Control, (FieldCode, String)> {
     let dialect = dialect::find(name).map_err(|detail| (FieldCode::UnknownDialect, detail))?;
@@ -133,13 +138,14 @@ pub struct ProgramReading {
 impl ProgramReading {
     /// The job of a body that is NC text.
     pub fn of_text(text: &[u8], query: ReadQuery, limits: &Limits) -> Self {
+        let cutters = cutter_of(&query);
         Self {
             text: text.to_vec(),
             is_body: true,
             control: None,
             settings: query,
             offsets: Vec::new(),
-            cutters: Vec::new(),
+            cutters,
             most_moves: limits.moves,
             meta: None,
         }
@@ -159,8 +165,7 @@ impl ProgramReading {
             rapid_feed_mm_per_min: own.rapid_feed_mm_per_min.or(query.rapid_feed_mm_per_min),
             trace: query.trace,
         };
-        self.cutters
-            .extend(self.settings.cutter_radius_mm.map(|radius_mm| Cutter { number: None, radius_mm }));
+        self.cutters = cutter_of(&self.settings);
         self
     }
 

@@ -53,7 +53,9 @@ impl From<RewriteError> for ApiError {
         let fact = error.to_string();
         match error {
             RewriteError::Stopped(stopped) => stopped.into(),
-            RewriteError::LineTooLong { .. } => Self::new(Code::LimitExceeded, fact),
+            RewriteError::LineTooLong { .. } | RewriteError::LateJump { .. } => {
+                Self::new(Code::LimitExceeded, fact)
+            }
         }
     }
 }

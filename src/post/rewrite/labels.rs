@@ -1,0 +1,175 @@
+//! The blocks to which a program may jump.
+//!
+//! # Method
+//! GOTO, M97 P, M99 P, and P and Q of G70 to G76 name blocks by their numbers. A jump to a computed number may
+//! lead to every numbered block.
+
+use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
+
+use super::block::Block;
+use crate::nc::{Lexer, Token};
+
+/// Labels that are told apart. A program with more has every numbered block as a label.
+const MAX_LABELS: usize = 100_000;
+
+/// Series of replaced block numbers that are told apart; further ones are joined.
+const MAX_SERIES: usize = 10_000;
+
+/// Block numbers to which lines jump.
+#[derive(Debug, Clone, Default)]
+pub struct Labels {
+    numbers: BTreeSet<u64>,
+    /// Every numbered block may be a label.
+    are_all: bool,
+    /// Numbers of blocks that were replaced, of which some are gone.
+    replaced: Vec<RangeInclusive<u64>>,
+}
+
+impl Labels {
+    /// Takes the jumps of a text.
+    pub fn find(&mut self, text: &[u8]) {
+        for line in text.split(|c| *c == b'\n') {
+            self.meet(line, &Block::read(line));
+        }
+    }
+
+    /// Takes the jumps of a line. False where a jump may lead to a block that was replaced.
+    pub fn meet(&mut self, line: &[u8], block: &Block) -> bool {
+        let mut targets = Vec::new();
+        let is_clear = if block.is_unclear {
+            unclear(line, block, &mut targets)
+        } else {
+            let jumps = block.m.has(970) || block.m.has(990);
+            let has_range = block.g.all().iter().any(|code| (700..=760).contains(code));
+            if jumps || has_range {
+                words(line, if jumps { b"P" } else { b"PQ" }, &mut targets)
+            } else {
+                true
+            }
+        };
+        let was_found = targets.iter().any(|target| self.replaced.iter().any(|own| own.contains(target)));
+        let is_lost = was_found || !is_clear && !self.replaced.is_empty();
+        self.numbers.extend(targets);
+        self.are_all |= !is_clear || self.numbers.len() > MAX_LABELS;
+        !is_lost
+    }
+
+    /// Whether the program may jump to the block with this N word; an empty word is no label.
+    pub fn hold(&self, word: &[u8]) -> bool {
+        match number(word) {
+            Some(number) => self.are_all || self.numbers.contains(&number),
+            None => !word.is_empty() && self.are_all,
+        }
+    }
+
+    /// Remembers that blocks with these N words were replaced.
+    pub fn replace<'w>(&mut self, words: impl Iterator<Item = &'w [u8]>) {
+        let numbers = words.filter_map(number);
+        let series = numbers.fold(None, |series: Option<[u64; 2]>, number| {
+            let [least, most] = series.unwrap_or([number; 2]);
+            Some([least.min(number), most.max(number)])
+        });
+        let Some([least, most]) = series else { return };
+        if self.replaced.len() < MAX_SERIES {
+            self.replaced.push(least..=most);
+        } else if let Some(last) = self.replaced.last_mut() {
+            *last = *last.start().min(&least)..=*last.end().max(&most);
+        }
+    }
+}
+
+/// The number of an N word.
+fn number(word: &[u8]) -> Option<u64> {
+    let digits: Vec<u8> = word.iter().copied().filter(u8::is_ascii_digit).collect();
+    std::str::from_utf8(&digits).ok()?.parse().ok()
+}
+
+/// The values of the words with these letters. False where one is no whole number.
+fn words(line: &[u8], letters: &[u8], targets: &mut Vec<u64>) -> bool {
+    let mut is_clear = true;
+    for (_, token) in Lexer::new(line) {
+        let Token::Word { letter, value, .. } = token else { continue };
+        if letters.contains(&letter) {
+            match value.filter(|value| value.millionths >= 0 && value.millionths % 1_000_000 == 0) {
+                Some(value) => targets.push((value.millionths / 1_000_000) as u64),
+                None => is_clear = false,
+            }
+        }
+    }
+    is_clear
+}
+
+/// The jumps of a line with expressions. False where one is computed.
+fn unclear(line: &[u8], block: &Block, targets: &mut Vec<u64>) -> bool {
+    let mut is_clear = true;
+    let text = line.to_ascii_uppercase();
+    if block.jumps {
+        for at in (0..text.len()).filter(|at| text[*at..].starts_with(b"GOTO")) {
+            let rest = text[at + 4..].trim_ascii_start();
+            let rest = rest.strip_prefix(b"N").unwrap_or(rest);
+            let end = rest.iter().position(|c| !c.is_ascii_digit()).unwrap_or(rest.len());
+            let is_number = end > 0 && !matches!(rest.get(end), Some(b'.' | b'[' | b'#' | b'*' | b'/'));
+            match number(&rest[..end]).filter(|_| is_number) {
+                Some(target) => targets.push(target),
+                None => is_clear = false,
+            }
+        }
+    }
+    let packed: Vec<u8> = text.iter().copied().filter(|c| !c.is_ascii_whitespace()).collect();
+    let has = |word: &[u8]| packed.windows(word.len()).any(|part| part == word);
+    if (has(b"M99") || has(b"M97")) && packed.contains(&b'P') {
+        is_clear = false;
+    }
+    is_clear
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(lines: &[&str]) -> Labels {
+        let mut labels = Labels::default();
+        for line in lines {
+            labels.meet(line.as_bytes(), &Block::read(line.as_bytes()));
+        }
+        labels
+    }
+
+    #[test]
+    fn jumps_name_their_blocks_or_all() {
+        let found = labels(&[
+            "IF [#1 LT 3] GOTO 200",
+            "N5 GOTO 10",
+            "M99 P30",
+            "M97 P40 L2",
+            "G70 P50 Q60",
+            "G65 P70",
+        ]);
+        for (word, is_label) in [
+            ("N200", true),
+            ("N 10", true),
+            ("N0030", true),
+            ("N40", true),
+            ("N60", true),
+            ("N70", false),
+            ("", false),
+        ] {
+            assert_eq!(found.hold(word.as_bytes()), is_label, "{word}");
+        }
+        for line in ["GOTO #5", "GOTO[#1+10]", "M99 P#3", "GOTO 5[1]"] {
+            assert!(labels(&[line]).hold(b"N1") && !labels(&[line]).hold(b""), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_jump_to_a_replaced_block_is_told() {
+        let mut labels = Labels::default();
+        labels.replace([b"N10".as_slice(), b"N20", b""].into_iter());
+        let meets =
+            |labels: &mut Labels, line: &str| labels.meet(line.as_bytes(), &Block::read(line.as_bytes()));
+        assert!(
+            meets(&mut labels, "GOTO 30") && !meets(&mut labels, "GOTO 15") && !meets(&mut labels, "GOTO #1")
+        );
+    }
+}

@@ -78,7 +78,13 @@ pub enum Fault {
     CompensationByArc,
     #[error("the first move after cutter compensation has to be straight")]
     ArcAfterCompensation,
-    #[error("cutter compensation is in force: end it first with G40")]
+    #[error(
+        "a rounding or a chamfer stands between two sides of the contour: write R0, RL and RR apart from it"
+    )]
+    CornerBetweenSides,
+    #[error("the program changes the length or the radius of the tool by {0} mm")]
+    ChangesTool(f64),
+    #[error("cutter compensation is in force: end it first (G40, R0)")]
     InCompensation,
     #[error("cutter compensation changes the path by the tool of the machine")]
     Compensation,

@@ -47,6 +47,9 @@ impl Transform {
     }
 }
 
+/// Legal factors of scalings.
+const FACTORS: std::ops::RangeInclusive<f64> = 0.000_001..=99.999_999;
+
 impl<'a> Execution<'a, '_> {
     /// Puts a transform in force.
     fn transform(&mut self, block: &Block<'a>, transform: Transform) {
@@ -145,7 +148,8 @@ impl<'a> Execution<'a, '_> {
         while !cursor.is_done() {
             let axis = b"XYZ".iter().position(|letter| cursor.peek() == Some(*letter));
             let is_alone = cursor.word_end() == cursor.at + 1;
-            match axis.filter(|_| is_alone) {
+            let normal = self.machine.plane.axes()[2];
+            match axis.filter(|axis| is_alone && *axis != normal) {
                 Some(axis) => axes[axis] = true,
                 None => {
                     let span = [cursor.at, cursor.word_end()];
@@ -154,6 +158,8 @@ impl<'a> Execution<'a, '_> {
             }
             cursor.at += 1;
         }
+        // It would exchange the sides of the contour.
+        self.machine.exclude_compensation(block.line());
         self.transform(block, Transform::Mirror(axes));
     }
 
@@ -173,6 +179,9 @@ impl<'a> Execution<'a, '_> {
     /// `CYCL DEF 11.1 SCL 0.995`.
     pub(super) fn scale(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
         if let Some(factor) = self.value_behind(block, cursor, "SCL") {
+            if !FACTORS.contains(&factor) {
+                return self.refuse_block(block, Fault::OutOfRange(factor));
+            }
             if factor != 1.0 && !self.machine.notes.iter().any(|n| matches!(n, Note::ScalesAllAxes { .. })) {
                 self.machine.note(Note::ScalesAllAxes { line: block.line().number });
             }
@@ -217,6 +226,9 @@ impl<'a> Execution<'a, '_> {
             cursor.at += 1;
             match cursor.value(&self.parameters) {
                 Ok(value) if is_center => center[axis] = value * self.machine.unit_mm(),
+                Ok(value) if !FACTORS.contains(&value) => {
+                    return self.refuse(block, [start, cursor.at], Fault::OutOfRange(value));
+                }
                 Ok(value) => factors[axis] = value,
                 Err(broken) => return self.refuse_broken(block, broken),
             }

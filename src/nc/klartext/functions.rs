@@ -35,8 +35,8 @@ impl<'a> Execution<'a, '_> {
                 136 if self.machine.in_inches() => self.refuse(block, span, Fault::UnsureFeed),
                 136 | 137 => self.count_feed_per_turn(number == 136),
                 140 if words.retracts && words.axes == [None; 3] => functions.retract = Some(span),
-                // Feeds, corners, filters, tilting and handwheels that change the path or its feed.
-                97 | 98 | 103 | 112 | 114 | 118 | 124 | 128 | 130 | 140 | 142..=144 | 197 => {
+                // Feeds, corners, datums, filters, tilting and handwheels that change the path or its feed.
+                97 | 98 | 103 | 104 | 112 | 114 | 118 | 124 | 128 | 130 | 140 | 142..=144 | 197 => {
                     self.refuse(block, span, Fault::NotRead);
                 }
                 _ if number > 9999 => self.refuse(block, span, Fault::UnknownCode),

@@ -3,7 +3,7 @@
 use super::cursor::Cursor;
 use super::flow::Execution;
 use super::functions::Functions;
-use super::path::Way;
+use super::path::{Path, Way};
 use super::script::Block;
 use super::words::{Feed, Sort, Words};
 use crate::codes::FeedMode;
@@ -65,8 +65,16 @@ impl<'a> Execution<'a, '_> {
         if let Some((side, [start, end])) = words.side
             && side != self.side
         {
-            self.side = side;
+            let before = std::mem::replace(&mut self.side, side);
             let (line, span) = block.place(start, end);
+            if before.is_some() && side.is_some() {
+                // A block without compensation has to stand between the two.
+                self.refuse(block, [start, end], Fault::Conflict);
+            }
+            if self.path.corner.is_some() && self.machine.computes_compensation() {
+                self.refuse(block, [start, end], Fault::CornerBetweenSides);
+                self.path = Path::default();
+            }
             self.machine.end_compensation();
             if let Some(side) = side {
                 self.machine.begin_compensation(line, span, side, Radius::OfTool);

@@ -130,7 +130,6 @@ impl<'a> Execution<'a, '_> {
     fn call_pattern(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
         let words = self.scan(block, cursor, &[Sort::Feed, Sort::Function]);
         let functions = self.begin_functions(block, &words);
-        let points = self.points.clone();
         let Some(drilling) = self.drilling(block).filter(|_| !words.is_broken) else {
             return self.lose_place();
         };
@@ -138,7 +137,7 @@ impl<'a> Execution<'a, '_> {
         let (Some(first), Some(top)) = (self.machine.at[n], drilling.surface) else {
             return self.machine.refuse_state(block.line(), Fault::UnknownStart(['X', 'Y', 'Z'][n]));
         };
-        if points.is_empty() {
+        if self.points.is_empty() {
             self.machine.refuse_state(block.line(), Fault::Lacks("PATTERN DEF"));
             return self.lose_place();
         }
@@ -146,7 +145,7 @@ impl<'a> Execution<'a, '_> {
             self.refuse_block(block, Fault::Lacks("FMAX"));
             return self.lose_place();
         }
-        for point in points {
+        for point in self.points.clone() {
             let high = self.height(top + point.raised + drilling.second.max(drilling.clearance));
             let safe = high.map_or(first, |high| high.max(first));
             if self.machine.is_full() || !self.spend(block, 1) {

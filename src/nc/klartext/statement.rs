@@ -97,7 +97,10 @@ impl<'a> Execution<'a, '_> {
 
     /// `BEGIN PGM name MM`, or INCH.
     fn begin_program(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
-        cursor.name();
+        // The name may have blanks.
+        let text = cursor.text.trim_ascii_end();
+        let unit = text.iter().rposition(|c| *c == b' ').map_or(0, |at| at + 1);
+        cursor.at = unit.max(cursor.at);
         match (cursor.phrase("MM"), cursor.phrase("INCH")) {
             (true, false) => self.machine.set_units(false),
             (false, true) => self.machine.set_units(true),
@@ -140,7 +143,9 @@ impl<'a> Execution<'a, '_> {
 
     /// `PLANE RESET`: the plane of the program is not tilted. Where rotary axes turn, the place is lost.
     fn reset_plane(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
-        if cursor.phrase("MOVE") || cursor.phrase("TURN") {
+        let rest = &cursor.text[cursor.at..];
+        let has = |word: &[u8]| rest.windows(word.len()).any(|part| part == word);
+        if has(b"MOVE") || has(b"TURN") {
             self.machine.at = [None; 3];
             self.forget_tangent();
         }

@@ -86,7 +86,11 @@ impl<'a> Execution<'a, '_> {
         for name in ["DL", "DR2", "DR"] {
             if cursor.letters(name) {
                 cursor.take(b'=');
-                cursor.value(&self.parameters)?;
+                let mm = cursor.value(&self.parameters)? * self.machine.unit_mm();
+                // The tip stands higher by a length, and the contour runs farther out by a radius.
+                if mm != 0.0 && (name != "DR" || self.machine.computes_compensation()) {
+                    return Err(fault(cursor, Fault::ChangesTool(mm)));
+                }
                 self.machine.left.add(name, block.line().number);
                 return Ok(());
             }

@@ -122,6 +122,12 @@ impl<'a> Execution<'a, '_> {
                 let feed = self.feed_word(cursor, start)?;
                 once(&mut words.feed, feed, start, cursor).map(|()| Sort::Feed)
             }
+            Some(b'S') if cursor.text.get(cursor.at + 1).is_some_and(|c| !c.is_ascii_alphabetic()) => {
+                cursor.at += 1;
+                self.machine.speed = Some(cursor.value(&self.parameters)?).filter(|speed| *speed >= 0.0);
+                self.machine.left.add("S", block.line().number);
+                Ok(Sort::Function)
+            }
             Some(b'M') => self.function_word(block, cursor, words, start),
             Some(b'I' | b'X' | b'Y' | b'Z' | b'A' | b'B' | b'C' | b'U' | b'V' | b'W') => {
                 self.axis_word(block, cursor, words, start)

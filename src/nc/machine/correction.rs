@@ -55,6 +55,13 @@ impl Machine<'_> {
                 | Meaning::UnsetPlace { .. }
                 | Meaning::RestorePlace
                 | Meaning::Cycle(_)
+                | Meaning::Turn
+                | Meaning::TurnEnd
+                | Meaning::Scale
+                | Meaning::ScaleEnd
+                | Meaning::Mirror(_)
+                | Meaning::Polar
+                | Meaning::PolarEnd
                 | Meaning::Parabola
                 | Meaning::Length(_)
                 | Meaning::WorkOffset(_)
@@ -66,6 +73,10 @@ impl Machine<'_> {
                 self.refuse_code(line, *code, Fault::InCompensation);
             }
         }
+    }
+
+    pub(crate) fn computes_compensation(&self) -> bool {
+        matches!(self.setting.correction, Correction::Computed(_))
     }
 
     /// Refuses what the control does not run under compensation, such as a cycle, and ends the compensation.

@@ -103,11 +103,11 @@ impl<'a> Run<'a, '_> {
         if self.calls.len() >= MAX_CALLS {
             return self.stop(line.refused(Fault::DeepCalls(MAX_CALLS)));
         }
-        if !arguments.is_empty() && !self.has_proc(&within) {
-            return self.stop(line.refused(Fault::BadExpression));
-        }
         if times == 0 {
             return;
+        }
+        if !arguments.is_empty() && !self.has_proc(&within) {
+            return self.stop(line.refused(Fault::BadExpression));
         }
         let start = within.start;
         let before = std::mem::replace(&mut self.within, within);
@@ -116,9 +116,11 @@ impl<'a> Run<'a, '_> {
         self.next = start;
     }
 
-    fn has_proc(&self, within: &Range<usize>) -> bool {
+    /// Whether a program begins with PROC. The lines before it count as work.
+    fn has_proc(&mut self, within: &Range<usize>) -> bool {
         let mut lines = within.clone().map(|index| self.text.line(index));
         let first = lines.find(|line| front(line).end < comment_start(line));
+        self.work += within.len() - lines.len();
         first.is_some_and(|line| name_at(line, front(line).end).is_some_and(|(name, _)| name == "PROC"))
     }
 

@@ -72,6 +72,8 @@ pub enum Meaning {
     Transformation,
     TransformationEnd,
     LeftAlone,
+    /// How a compensated path begins and turns corners: it matters where the path is computed.
+    Approach,
     NotRead,
     Unknown,
 }
@@ -86,7 +88,8 @@ pub fn code(number: u32) -> Meaning {
         3 => Motion(self::Motion::Arc(Direction::Ccw)),
         4 => Dwell,
         9 | 60 | 62 | 64 | 601..=603 | 621 | 641..=645 => LeftAlone,
-        450..=453 | 460..=462 | 290 => LeftAlone,
+        450 | 460..=462 | 290 => LeftAlone,
+        451..=453 => Approach,
         17 => Plane(self::Plane::Xy),
         18 => Plane(self::Plane::Zx),
         19 => Plane(self::Plane::Yz),
@@ -149,7 +152,6 @@ const LEFT_ALONE: &[&str] = &[
     "BRISKA",
     "CDOF",
     "CDOF2",
-    "CDON",
     "CFC",
     "CFCIN",
     "CFIN",
@@ -185,9 +187,6 @@ const LEFT_ALONE: &[&str] = &[
     "FNORM",
     "GROUP_BEGIN",
     "GROUP_END",
-    "KONT",
-    "KONTC",
-    "KONTT",
     "MSG",
     "NORM",
     "PAROTOF",
@@ -216,8 +215,8 @@ const LEFT_ALONE: &[&str] = &[
 
 /// Words with a value behind an equals sign that cannot change the path.
 const LEFT_VALUES: &[&str] = &[
-    "ACC", "ACCLIMA", "ADIS", "ADISPOS", "ATOL", "CTOL", "DISC", "FGREF", "JERKLIM", "JERKLIMA", "LIMS",
-    "OTOL", "SPOS", "SPOSA", "STOLF", "VELOLIM", "VELOLIMA",
+    "ACC", "ACCLIMA", "ADIS", "ADISPOS", "ATOL", "CTOL", "FGREF", "JERKLIM", "JERKLIMA", "LIMS", "OTOL",
+    "SPOS", "SPOSA", "STOLF", "VELOLIM", "VELOLIMA",
 ];
 
 /// Whether a word takes a value and cannot change the path.
@@ -231,6 +230,7 @@ pub const VALUES: &[&str] =
 
 /// Words of the language that this reader does not read.
 const NOT_READ: &[&str] = &[
+    "DISC",
     "ASPLINE",
     "BSPLINE",
     "CSPLINE",
@@ -358,6 +358,7 @@ pub fn word(name: &str) -> Option<Meaning> {
         "AMIRROR" => frame(FrameWord::Mirror, true),
         "TRAORI" | "TRANSMIT" | "TRACYL" | "TRAANG" | "TRACON" | "TRAFOON" => Some(Transformation),
         "TRAFOOF" => Some(TransformationEnd),
+        "KONT" | "KONTC" | "KONTT" | "CDON" => Some(Approach),
         _ if LEFT_ALONE.contains(&name) => Some(LeftAlone),
         _ if is_not_read(name) => Some(NotRead),
         _ => None,

@@ -72,6 +72,9 @@ impl<'a> Mill<'a, '_> {
             let edge = Some(given.value as u32);
             if edge != self.edge {
                 self.settle(line);
+                if self.edge.is_some() {
+                    self.machine.exclude_compensation(line);
+                }
                 self.lose_length();
             }
             self.edge = edge;

@@ -157,6 +157,10 @@ impl<'a> Mill<'a, '_> {
         let (Some((before, after)), Some((factor, _))) =
             (paths, self.machine.placement.in_plane(pending.plane))
         else {
+            let is_even = self.machine.placement.in_plane(pending.plane).is_some();
+            if let Some(span) = pending.corner.span.filter(|_| !is_even) {
+                self.refuse(pending.line, span, Fault::Ellipse);
+            }
             return self.run_waiting(&pending, None);
         };
         let cut = match pending.corner.kind {

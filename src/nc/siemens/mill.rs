@@ -224,9 +224,19 @@ impl<'a, 'm> Mill<'a, 'm> {
                 Meaning::Compensation(side) => {
                     self.settle(line);
                     let edge = block.letters.get(&b'D').map(|given| given.value).or(self.edge.map(f64::from));
-                    if edge != Some(0.0) {
+                    if edge == Some(0.0) && self.machine.computes_compensation() {
+                        // The radius comes with a later D.
+                        self.refuse(line, *span, Fault::Conflict);
+                    } else {
                         self.machine.begin_compensation(line, *span, *side, Radius::OfTool);
                     }
+                }
+                Meaning::Approach if self.machine.computes_compensation() => {
+                    self.refuse(line, *span, Fault::NotRead);
+                }
+                Meaning::Approach => {
+                    let word = String::from_utf8_lossy(&line.text[span[0]..span[1]]).trim().to_owned();
+                    self.machine.left.add(&word, line.number);
                 }
                 Meaning::CompensationEnd => {
                     self.settle(line);

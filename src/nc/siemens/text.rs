@@ -221,14 +221,19 @@ fn proc_name(line: &[u8]) -> Option<String> {
     name_at(line, blanks(line, end)).map(|(name, _)| name)
 }
 
-/// Whether words change the tool.
+/// Whether words change the tool. Texts in quotes are no words.
 fn has_m6(words: &[u8]) -> bool {
     let is_end = |at: usize| !words.get(at).is_some_and(u8::is_ascii_alphanumeric);
     let begins = |at: usize| at == 0 || !words[at - 1].is_ascii_alphabetic() && words[at - 1] != b'_';
-    (0..words.len()).any(|at| match &words[at..] {
-        [b'M' | b'm', b'6', ..] => begins(at) && is_end(at + 2),
-        [b'M' | b'm', b'0', b'6', ..] => begins(at) && is_end(at + 3),
-        _ => false,
+    let mut is_quoted = false;
+    (0..words.len()).any(|at| {
+        is_quoted ^= words[at] == b'"';
+        let length = match &words[at..] {
+            [b'M' | b'm', b'6', ..] => 2,
+            [b'M' | b'm', b'0', b'6', ..] => 3,
+            _ => return false,
+        };
+        !is_quoted && begins(at) && is_end(at + length)
     })
 }
 

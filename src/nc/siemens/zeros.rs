@@ -53,7 +53,8 @@ impl<'a> Mill<'a, '_> {
                     scaled.filter(|_| is_legal)
                 }
                 FrameWord::Mirror => {
-                    // The value does not count.
+                    // It would exchange the sides of the contour. The value does not count.
+                    self.machine.exclude_compensation(line);
                     let factors = values.map(|value| if value.is_some() { -1.0 } else { 1.0 });
                     Placement::scaled(Point3::origin(), factors)
                 }

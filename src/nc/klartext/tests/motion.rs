@@ -173,7 +173,7 @@ fn a_tool_call_loses_the_height() {
     let reading = of("L X+5\nTOOL CALL 2 Z S500\nL X+50 FMAX\nL Z+5 FMAX\nL X+60 F100");
     close(&[measures(&reading).cutting_length_mm, measures(&reading).rapid_length_mm], &[15.0, 0.0]);
     assert_eq!(reading.tools.iter().map(|tool| tool.number).collect::<Vec<_>>(), [Some(1), Some(2)]);
-    let named = of("L X+5\nTOOL CALL \"Mill_d10\" Z S500 DL+0.2 DR-0.1\nL X+5 Y+5 Z+5 FMAX\nL X+9");
+    let named = of("L X+5\nTOOL CALL \"Mill_d10\" Z S500 DL+0 DR-0.1\nL X+5 Y+5 Z+5 FMAX\nL X+9");
     assert_eq!(named.tools[1].name.as_deref(), Some("Mill_d10"));
     assert_eq!(faults("TOOL CALL 2 Z S500\nL X+50 F100")[0].2, Fault::UnknownStart('Z'));
     assert_eq!(faults("L X+5 M6\nL X+50 F100")[0].2, Fault::UnknownStart('Z'));

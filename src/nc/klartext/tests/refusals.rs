@@ -88,7 +88,7 @@ fn faults_of_motion_are_told() {
         ("CYCL DEF 7.0\nCYCL DEF 7.1 #5", Fault::NoWord),
         ("CYCL DEF 7.1 X+5", Fault::Lacks("the first block of the cycle")),
         ("CYCL DEF 19.0 W\nCYCL DEF 19.1 A+45 B+0", Fault::OtherAxis),
-        ("CYCL DEF 11.0 S\nCYCL DEF 11.1 SCL 0", Fault::NotFinite),
+        ("CYCL DEF 11.0 S\nCYCL DEF 11.1 SCL 0", Fault::OutOfRange(0.0)),
         ("CYCL DEF 247 X Q339=1.5", Fault::OutOfRange(1.5)),
         ("CYCL DEF 9.0 DWELL\nCYCL DEF 9.1 DWELL -1", Fault::OutOfRange(-1.0)),
         (";comment ~\nL X+5", Fault::NoWord),
@@ -172,4 +172,26 @@ fn wear_compensation_is_the_path_of_the_centre() {
     let wear = ReadJob { correction: Correction::Wear, ..job(&text) };
     close(&[measures(&read(&wear, &Budget::unlimited()).unwrap()).cutting_length_mm], &[15.0]);
     assert_eq!(faults_of(&text).len(), 1);
+}
+
+#[test]
+fn a_corner_between_two_sides_of_a_contour_is_refused_where_the_path_is_computed() {
+    use crate::machine::Cutter;
+    let five = [Cutter { number: None, radius_mm: 5.0 }];
+    let first = |lines: &str| {
+        let text = framed(lines);
+        let computed = ReadJob { correction: Correction::Computed(&five), ..job(&text) };
+        match read(&computed, &Budget::unlimited()) {
+            Err(ReadError::Refused(refusals)) => Some(refusals[0].fault),
+            _ => None,
+        }
+    };
+    let start = "L X-20 Y+0 Z+10 R0 FMAX\nL X+0 Y+0 RL F100\nL Y+50";
+    assert_eq!(first(&format!("{start}\nL X-30 R0")), None);
+    assert_eq!(first(&format!("{start}\nRND R6\nL X-30 R0")), Some(Fault::CornerBetweenSides));
+    assert_eq!(first(&format!("{start}\nL X+50 RR")), Some(Fault::Conflict));
+    assert_eq!(first("TOOL CALL 1 Z S1000 DR+1\nL X+0 Y+0 Z+0 R0 FMAX"), Some(Fault::ChangesTool(1.0)));
+    assert_eq!(faults("TOOL CALL 1 Z S1000 DL+1\nL X+0 Y+0 Z+0 FMAX")[0].2, Fault::ChangesTool(1.0));
+    assert_eq!(faults("CYCL DEF 8.0 M\nCYCL DEF 8.1 Z")[0].2, Fault::UnusedWord);
+    assert_eq!(faults("L X+5 M104")[0].2, Fault::NotRead);
 }

@@ -106,3 +106,36 @@ fn what_follows_from_a_refusal_is_not_refused_again() {
     assert_eq!(words, [(1, "R1="), (5, "X=R9")]);
     assert_eq!(framed_faults("R1=$AA_IW[X]\nIF R1>5\nG1 X1\nENDIF").len(), 1);
 }
+
+#[test]
+fn what_changes_a_computed_path_is_refused_where_it_is_computed() {
+    use crate::machine::{Correction, Cutter};
+    let five = [Cutter { number: None, radius_mm: 5.0 }];
+    let computed = |lines: &str| {
+        let text = format!("G17 G90 G71 G94 G54\nS1000 M3 F500\nG0 X0 Y0 Z0\n{lines}\nM30\n");
+        let start = [Some(0.0); 3];
+        match crate::read(
+            &crate::ReadJob { correction: Correction::Computed(&five), start, ..job(&text) },
+            &toolpathd_core::budget::Budget::unlimited(),
+        ) {
+            Err(crate::ReadError::Refused(refusals)) => Some((refusals[0].line, refusals[0].fault)),
+            _ => None,
+        }
+    };
+    let contour = "G41 G1 X20 Y0\nY40\nX60\nG40 X80 Y60";
+    assert_eq!(computed(contour), None);
+    for (lines, line, fault) in [
+        (format!("G451\n{contour}"), 4, Fault::NotRead),
+        (format!("KONT\n{contour}"), 4, Fault::NotRead),
+        ("D0 G0 Z0\nG41 G1 X20 Y0".to_owned(), 5, Fault::Conflict),
+        ("D1 G0 Z0\nG41 G1 X20 Y0\nY40\nD0 G0 Z0".to_owned(), 7, Fault::InCompensation),
+        ("G41 G1 X20 Y0\nY40\nMIRROR X0".to_owned(), 6, Fault::InCompensation),
+        ("SCALE X2\nG1 X30 CHF=5\nY30".to_owned(), 5, Fault::Ellipse),
+    ] {
+        assert_eq!(computed(&lines), Some((line, fault)), "{lines}");
+    }
+    // M6 in a text changes no tool, and T does.
+    let thread =
+        "G17 G90 G71 F100\nT1 D1\nG0 X0 Y0 Z50\nG1 Z-2\nG0 Z50\nT2 D1 MSG(\"TAP M6\")\nG1 Z-5\nM30\n";
+    assert!(faults(thread).iter().any(|(line, _, fault)| (*line, *fault) == (7, Fault::UnknownStart('Z'))));
+}

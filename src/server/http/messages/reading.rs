@@ -34,7 +34,9 @@ fn code(fault: &Fault) -> FieldCode {
     use Fault::*;
     match fault {
         NotRead | OtherAxis | Compensation | UnknownRadius | AtMachine | NoPoint | TiltedArc
-        | UnsureParameter(_) | UnsureFeed | IncrementOfNewZero => FieldCode::Unsupported,
+        | UnsureParameter(_) | CornerBetweenSides | ChangesTool(_) | UnsureFeed | IncrementOfNewZero => {
+            FieldCode::Unsupported
+        }
         NoWord | NoNumber | OpenComment | BadExpression | TooDeep => FieldCode::Syntax,
         NoFeed | NoInverseTime | NoSpindleSpeed => FieldCode::FeedRequired,
         Arc(_) | SmallRadius { .. } | ClosedRadius | NoCenter | Ellipse | NoTangent | NoPole => {
@@ -51,6 +53,7 @@ fn advice(fault: &Fault) -> Option<&'static str> {
             "send `compensation: wear` if the program's path is that of the cutter's centre, or `compute`"
         }
         Fault::UnknownRadius => "send `cutter_radius_mm`, or to verify the tool with its `number`",
+        Fault::ChangesTool(_) => "leave it out, and send the tool as it cuts",
         Fault::CutterTooLarge => "send the right radius, or take a smaller cutter",
         Fault::UnknownStart(_) => "send `start`, or let the program go to a place in X, Y and Z first",
         Fault::UnknownEnd(_) => "send `offsets`",

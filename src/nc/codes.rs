@@ -5,7 +5,6 @@ use toolpathd_core::geometry::plane::Plane;
 
 use super::control::{Control, Family};
 use super::frames::EXTENDED;
-use super::machine::Side;
 
 /// The motion in force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +20,22 @@ pub enum FeedMode {
     PerMinute,
     InverseTime,
     PerTurn,
+}
+
+/// The side of the contour on which the tool goes, seen along its way and against the normal of the plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    Left,
+    Right,
+}
+
+impl Side {
+    pub fn other(self) -> Self {
+        match self {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        }
+    }
 }
 
 /// What one G code means.

@@ -2,8 +2,8 @@
 //!
 //! # Method
 //! 1. `script` divides the text into blocks and finds programs and labels. `cursor` reads names and values.
-//! 2. `flow` runs the blocks; `statement` tells by its first words what a block is. `parameters` and `formula`
-//!    hold what the program computes.
+//! 2. `flow` runs the blocks; `statement` tells by its first words what a block is. `parameters` and
+//!    `formula` hold what the program computes.
 //! 3. `words` reads the words of a block that moves, `functions` its M words. `moves`, `circles` and `polar`
 //!    make an element of the path of it, and `path` follows the elements. `corners` rounds or chamfers where
 //!    two of them meet.
@@ -43,9 +43,70 @@ mod words;
 use toolpathd_core::budget::{Budget, Stopped};
 
 use super::Ran;
-use super::machine::Machine;
-use flow::Execution;
-use script::Script;
+use super::block::Line;
+use super::machine::{Machine, Side};
+use datum::Transform;
+use drilling::Cycle;
+use parameters::Parameters;
+use path::Path;
+use patterns::Point;
+use polar::CirclePole;
+use script::{Block, Script};
+
+/// A program on its way.
+pub struct Execution<'a, 'm> {
+    pub machine: &'m mut Machine<'a>,
+    pub script: Script<'a>,
+    pub parameters: Parameters,
+    /// The index of the block that runs next, and of the one that runs.
+    pub next: usize,
+    pub index: usize,
+    /// The index of the program that runs.
+    pub program: usize,
+    calls: Vec<Call<'a>>,
+    repeats: Vec<Repeat>,
+    n_blocks: usize,
+    /// Blocks, places and infeeds, and long blocks more than once: the measure of the work.
+    n_steps: usize,
+    pub has_ended: bool,
+    skips_optional: bool,
+    pub path: Path<'a>,
+    pub pole: Option<CirclePole>,
+    pub side: Option<Side>,
+    /// The feed of the tool call, mm/min.
+    pub auto_feed: Option<f64>,
+    /// F counts mm per turn, by M136.
+    pub is_per_turn: bool,
+    pub transforms: Vec<Transform>,
+    /// A shift of the datum whose definition may go on, with its last block.
+    pub shift: Option<(Block<'a>, [f64; 3])>,
+    pub cycle: Option<Cycle>,
+    /// The cycle runs behind each positioning, by M89.
+    pub is_modal_call: bool,
+    /// The words of a cycle of the older form that is under way, in the order of their blocks.
+    pub parts: Vec<(u32, f64)>,
+    pub points: Vec<Point>,
+}
+
+/// A call under way.
+struct Call<'a> {
+    /// The block behind the call.
+    back: usize,
+    line: Line<'a>,
+    /// What a called program puts aside: the index of the calling program and whether that is in inches.
+    program: Option<(usize, bool)>,
+    n_repeats: usize,
+}
+
+/// A part of a program that is repeated.
+struct Repeat {
+    /// The block that repeats it, and its label.
+    index: usize,
+    label: usize,
+    again: u32,
+    /// A jump has left the part, and controls may disagree on its count.
+    was_left: bool,
+}
 
 /// Runs a program to its end, or to where no sense can be made of it.
 ///

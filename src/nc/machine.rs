@@ -16,28 +16,27 @@ mod correction;
 mod cycles;
 mod motion;
 mod placing;
+mod tracing;
 
 use nalgebra::{Point3, Vector3};
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::path::PathError;
 
 use super::block::{Block, Code, Line, WordValue};
+pub use super::codes::Side;
 use super::codes::{FeedMode, Function, Meaning, Motion, function, function_group, group, meaning};
 use super::control::{Centers, Control, DwellTime, Family, WithoutPoint};
 use super::fault::{Fault, MAX_REFUSALS, Refusal};
 use super::frames::Frames;
 use super::notes::{LeftAlone, Note};
+pub use super::placement::At;
 use super::placement::Placement;
 use super::record::Record;
 use super::trace::TracedBlock;
 use compensation::Compensation;
-pub use compensation::Side;
 pub(crate) use correction::Radius;
 use cycles::Cycle;
 use placing::Placing;
-
-/// A place of the tool, mm; `None` along an axis where it is not known.
-pub type At = [Option<f64>; 3];
 
 /// The letters of the linear axes, and of the distances of a centre along them.
 pub const AXES: [u8; 3] = *b"XYZ";

@@ -7,7 +7,8 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 use toolpathd_core::geometry::plane::Plane;
 
-use super::machine::At;
+/// A place of the tool, mm; `None` along an axis where it is not known.
+pub type At = [Option<f64>; 3];
 
 /// Parts of the largest entry that count as zero: sines and cosines of right angles.
 const NOTHING: f64 = 1e-15;

@@ -43,8 +43,12 @@ use super::block::Line;
 use super::fault::{Fault, Refusal};
 use super::flow::MAX_BLOCKS;
 use super::machine::Machine;
+use block::Tool;
 use calls::Call;
-use mill::{Mill, Next};
+use codes::Motion;
+use corner::Pending;
+use cycles::Cycle;
+use mill::Next;
 use text::{Text, comment_start, front, is_tape_mark};
 use values::Variables;
 
@@ -57,8 +61,43 @@ const MAX_LINE: usize = 4096;
 /// A line with as many bytes takes as long as two blocks.
 const LONG_LINE: usize = 128;
 
+/// A control on its way through a program.
+struct Mill<'a, 'm> {
+    machine: &'m mut Machine<'a>,
+    motion: Option<Motion>,
+    is_absolute: bool,
+    /// The unit of feeds; G70 and G71 leave it alone.
+    feeds_in_inches: bool,
+    has_units: bool,
+    /// The pole in coordinates of the program, along the axes of the plane; `None` where it is not known.
+    pole: Option<[f64; 2]>,
+    /// The last polar angle in degrees, and the last polar radius, mm.
+    polar: [Option<f64>; 2],
+    called_tool: Option<Tool>,
+    /// T changes the tool, because the text has no M6.
+    t_changes: bool,
+    edge: Option<u32>,
+    /// The zero has changed since a block named the axis: a setting of the control decides where an
+    /// incremental way leads.
+    is_stale: [bool; 3],
+    pending: Option<Pending<'a>>,
+    /// RNDM, in units of the program, and the feed of FRCM.
+    rounding: f64,
+    corner_feed: Option<f64>,
+    /// The direction in the plane in which the last path block arrived.
+    tangent: Option<[f64; 2]>,
+    modal_cycle: Option<Cycle>,
+    /// Zeros that the program has written, until a block selects them.
+    written_zeros: Vec<(u32, [Option<f64>; 3])>,
+    has_selected: bool,
+    has_moved: bool,
+    is_transformed: bool,
+    /// Pecks and holes of patterns so far, which are limited as blocks are.
+    n_repeated: usize,
+}
+
 /// A program on its way.
-struct Run<'a, 'm> {
+struct Execution<'a, 'm> {
     mill: Mill<'a, 'm>,
     text: Text<'a>,
     variables: Variables,
@@ -99,7 +138,7 @@ pub fn run<'a>(
     let text = Text::new(text);
     let n_lines = text.len();
     let within = text.main();
-    let run = Run {
+    let run = Execution {
         mill: Mill::new(machine, !text.has_m6),
         text,
         variables: Variables::new(),
@@ -116,7 +155,7 @@ pub fn run<'a>(
     Ok(Ran { n_lines, n_blocks: run.run_to_end(budget)? })
 }
 
-impl<'a> Run<'a, '_> {
+impl<'a> Execution<'a, '_> {
     /// The number of blocks that have run.
     fn run_to_end(mut self, budget: &Budget) -> Result<usize, Stopped> {
         let total = self.text.len();

@@ -2,8 +2,8 @@
 
 use toolpathd_core::geometry::plane::Plane;
 
-use super::codes::{FeedMode, Motion};
-use super::machine::{At, Machine, Side};
+use super::codes::{FeedMode, Motion, Side};
+use super::placement::At;
 
 /// The state of a control behind a block.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,30 +26,4 @@ pub struct TracedBlock {
     pub compensation: Option<Side>,
     /// The programmed place of the tool, mm.
     pub at: At,
-}
-
-impl Machine<'_> {
-    /// Records the state behind a block, where the caller has asked for it.
-    pub(crate) fn trace(&mut self, line: usize) {
-        if self.traced.len() >= self.most_traced() {
-            return;
-        }
-        let block = TracedBlock {
-            line: line as u32,
-            motion: self.motion,
-            cycle: self.cycle_number(),
-            plane: self.plane,
-            is_in_inches: self.in_inches(),
-            is_absolute: self.is_absolute,
-            feed_mode: self.feed_mode,
-            feed: self.feed,
-            speed_rpm: self.speed,
-            is_turning: self.is_turning,
-            tool: self.tool(),
-            work_offset: self.frames.active(),
-            compensation: self.compensation_side(),
-            at: self.at,
-        };
-        self.traced.push(block);
-    }
 }

@@ -29,8 +29,8 @@
 //!   turn.
 //! * Blocks that rely on a mode or on a position that is not known, for example after a macro. At its start,
 //!   a program is taken to be in mm, with absolute coordinates, in the XY plane, and with feeds per minute.
-//! * Blocks to which the program jumps. A jump behind the first [`SCANNED`] bytes to a block that was replaced
-//!   is an error.
+//! * Blocks to which the program jumps. A jump behind the first [`SCANNED`] bytes to a block that was
+//!   replaced is an error.
 //!
 //! # Degenerate input
 //! A line longer than [`MAX_LINE_LENGTH`] is an error. Text of any encoding is copied.

@@ -4,10 +4,10 @@ use nalgebra::{Point3, Vector2};
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 
+use super::Execution;
 use super::cursor::Cursor;
-use super::flow::Execution;
 use super::path::{NO_WAY_MM, Turn, Way};
-use super::polar::Pole;
+use super::polar::CirclePole;
 use super::script::Block;
 use super::words::{Sort, Words};
 use crate::fault::Fault;
@@ -81,7 +81,7 @@ impl<'a, 'm> Execution<'a, 'm> {
     }
 
     fn arc_about_pole(&mut self, block: &Block<'a>, words: &Words) -> Found {
-        let (Pole { plane, .. }, center) = self.known_pole(block)?;
+        let (CirclePole { plane, .. }, center) = self.known_pole(block)?;
         let direction = self.sense_of(block, words, plane)?;
         let to = self.flat_end(block, words, plane)?;
         self.known_ends(block, &to)?;
@@ -153,7 +153,7 @@ impl<'a, 'm> Execution<'a, 'm> {
         let end = center + arm * ((from - center).norm() / arm.norm().max(f64::MIN_POSITIVE));
         let end = if is_closed { from } else { end };
         (to[a], to[b]) = (Some(end.x), Some(end.y));
-        self.pole = Some(Pole { last: Some([radius, end_degrees]), ..pole });
+        self.pole = Some(CirclePole { last: Some([radius, end_degrees]), ..pole });
         Some((to, Turn { plane: pole.plane, center: center.into(), direction, turns }))
     }
 

@@ -9,13 +9,11 @@ use nalgebra::Vector2;
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 
+use super::Execution;
 use super::cursor::{Broken, Cursor};
-use super::flow::Execution;
-use super::path::{Element, NO_WAY_MM, Turn, Way, in_plane};
+use super::path::{Corner, NO_WAY_MM, PathElement, Turn, Way, in_plane};
 use super::script::Block;
 use super::words::{Feed, Sort};
-use crate::block::Line;
-use crate::codes::FeedMode;
 use crate::fault::Fault;
 
 /// Sines of angles that count as none: elements that meet at a smaller angle go on tangentially.
@@ -23,16 +21,6 @@ const NO_ANGLE: f64 = 1e-9;
 
 /// How far a corner may exceed its elements, mm: rounding of coordinates.
 const SLACK_MM: f64 = 1e-6;
-
-/// A corner that the next element completes.
-#[derive(Debug, Clone, Copy)]
-pub struct Corner<'a> {
-    pub line: Line<'a>,
-    /// The radius, or the length of the chamfer along both elements, mm of the program.
-    size_mm: f64,
-    is_round: bool,
-    feed: Option<(FeedMode, f64)>,
-}
 
 /// An element in the plane: a line or an arc, with its ends.
 #[derive(Debug, Clone, Copy)]
@@ -95,9 +83,9 @@ impl<'a> Execution<'a, '_> {
     pub(super) fn join(
         &mut self,
         block: &Block<'a>,
-        first: Element<'a>,
+        first: PathElement<'a>,
         corner: &Corner<'a>,
-        second: &mut Element<'a>,
+        second: &mut PathElement<'a>,
     ) {
         let plane = self.machine.plane;
         let Some((factor, _)) = self.machine.placement.in_plane(plane) else {
@@ -125,7 +113,7 @@ impl<'a> Execution<'a, '_> {
             (at[i], at[j]) = (Some(place.x), Some(place.y));
             at
         });
-        self.follow(Element { to: start, ..first });
+        self.follow(PathElement { to: start, ..first });
         let way = match center {
             None => Way::Line,
             Some(center) => {
@@ -136,7 +124,7 @@ impl<'a> Execution<'a, '_> {
             }
         };
         let (feed_mode, feed) = corner.feed.map_or((first.feed_mode, first.feed), |(m, f)| (m, Some(f)));
-        self.follow(Element { line: corner.line, from: start, to: end, way, feed, feed_mode });
+        self.follow(PathElement { line: corner.line, from: start, to: end, way, feed, feed_mode });
         second.from = end;
     }
 }
@@ -174,7 +162,7 @@ impl Corner<'_> {
 
 impl Flat {
     /// An element that lies in the plane, and is neither a rapid nor a helix.
-    fn of(element: &Element<'_>, plane: Plane) -> Option<Self> {
+    fn of(element: &PathElement<'_>, plane: Plane) -> Option<Self> {
         let n = plane.axes()[2];
         if element.from[n] != element.to[n] {
             return None;

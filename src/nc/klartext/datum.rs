@@ -7,8 +7,8 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::Execution;
 use super::cursor::Cursor;
-use super::flow::Execution;
 use super::script::Block;
 use super::words::Sort;
 use crate::fault::Fault;

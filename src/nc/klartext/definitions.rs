@@ -1,31 +1,13 @@
 //! CYCL DEF: cycles with numbers in the older form, and cycles with Q parameters.
 
-use std::collections::BTreeMap;
-
+use super::Execution;
 use super::cursor::{Broken, Cursor};
-use super::drilling::Drilling;
-use super::flow::Execution;
+use super::drilling::{Cycle, Drilling, RAPID, Values};
 use super::parameters::Key;
 use super::script::Block;
 use super::words::Sort;
 use crate::fault::Fault;
 use crate::placement::Coordinate;
-
-/// The cycle that a call runs.
-#[derive(Debug, Clone)]
-pub enum Cycle {
-    Hole(Box<Drilling>),
-    /// Cycle 12.
-    Program(String),
-    /// Its definition was refused.
-    Refused,
-}
-
-/// The values of the Q parameters of a cycle.
-pub type Values = BTreeMap<u16, f64>;
-
-/// A feed of FMAX, as the control writes it where a cycle takes a number.
-pub const RAPID: f64 = 99_999.0;
 
 /// The parameters that a cycle needs, and those that controls of some age do not have.
 type Names = (&'static [u16], &'static [u16]);

@@ -13,8 +13,9 @@
 //! Chip breaking, infeeds that shrink, moves to the side at the bottom and depths that count from a diameter
 //! are refused, because their paths depend on the control or on the tool.
 
-use super::definitions::{Cycle, RAPID, Values};
-use super::flow::Execution;
+use std::collections::BTreeMap;
+
+use super::Execution;
 use super::parameters::Key;
 use super::script::Block;
 use crate::codes::FeedMode;
@@ -22,6 +23,22 @@ use crate::fault::Fault;
 use crate::machine::{At, Machine};
 use crate::notes::Note;
 use crate::placement::Coordinate;
+
+/// The cycle that a call runs.
+#[derive(Debug, Clone)]
+pub enum Cycle {
+    Hole(Box<Drilling>),
+    /// Cycle 12.
+    Program(String),
+    /// Its definition was refused.
+    Refused,
+}
+
+/// The values of the Q parameters of a cycle.
+pub type Values = BTreeMap<u16, f64>;
+
+/// A feed of FMAX, as the control writes it where a cycle takes a number.
+pub const RAPID: f64 = 99_999.0;
 
 /// Most infeeds of one hole. More would be an error of the program.
 const MAX_PECKS: f64 = 100_000.0;

@@ -9,18 +9,14 @@
 use toolpathd_core::budget::{Budget, Stopped};
 
 use super::cursor::{Broken, Cursor};
-use super::datum::Transform;
-use super::definitions::Cycle;
 use super::parameters::Parameters;
 use super::path::Path;
-use super::patterns::Point;
-use super::polar::Pole;
 use super::script::{Block, Script};
+use super::{Call, Execution, Repeat};
 use crate::Ran;
-use crate::block::Line;
 use crate::fault::{Fault, Refusal};
 use crate::flow::MAX_BLOCKS;
-use crate::machine::{Machine, Side};
+use crate::machine::Machine;
 
 /// Steps between two checks of the budget.
 const STEPS_BETWEEN_CHECKS: usize = 1024;
@@ -30,61 +26,6 @@ const BYTES_PER_STEP: usize = 256;
 
 /// Deepest nesting of calls, and of repeats. Controls allow 20 or 30 levels of calls.
 const MAX_CALLS: usize = 32;
-
-/// A program on its way.
-pub struct Execution<'a, 'm> {
-    pub machine: &'m mut Machine<'a>,
-    pub script: Script<'a>,
-    pub parameters: Parameters,
-    /// The index of the block that runs next, and of the one that runs.
-    pub next: usize,
-    pub index: usize,
-    /// The index of the program that runs.
-    pub program: usize,
-    calls: Vec<Call<'a>>,
-    repeats: Vec<Repeat>,
-    n_blocks: usize,
-    /// Blocks, places and infeeds, and long blocks more than once: the measure of the work.
-    n_steps: usize,
-    pub has_ended: bool,
-    skips_optional: bool,
-    pub path: Path<'a>,
-    pub pole: Option<Pole>,
-    pub side: Option<Side>,
-    /// The feed of the tool call, mm/min.
-    pub auto_feed: Option<f64>,
-    /// F counts mm per turn, by M136.
-    pub is_per_turn: bool,
-    pub transforms: Vec<Transform>,
-    /// A shift of the datum whose definition may go on, with its last block.
-    pub shift: Option<(Block<'a>, [f64; 3])>,
-    pub cycle: Option<Cycle>,
-    /// The cycle runs behind each positioning, by M89.
-    pub is_modal_call: bool,
-    /// The words of a cycle of the older form that is under way, in the order of their blocks.
-    pub parts: Vec<(u32, f64)>,
-    pub points: Vec<Point>,
-}
-
-/// A call under way.
-struct Call<'a> {
-    /// The block behind the call.
-    back: usize,
-    line: Line<'a>,
-    /// What a called program puts aside: the index of the calling program and whether that is in inches.
-    program: Option<(usize, bool)>,
-    n_repeats: usize,
-}
-
-/// A part of a program that is repeated.
-struct Repeat {
-    /// The block that repeats it, and its label.
-    index: usize,
-    label: usize,
-    again: u32,
-    /// A jump has left the part, and controls may disagree on its count.
-    was_left: bool,
-}
 
 impl<'a, 'm> Execution<'a, 'm> {
     /// A program before its first block.

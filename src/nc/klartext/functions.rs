@@ -1,6 +1,6 @@
 //! M functions.
 
-use super::flow::Execution;
+use super::Execution;
 use super::script::Block;
 use super::words::Words;
 use crate::codes::FeedMode;

@@ -1,7 +1,7 @@
 //! What a program computes and where it goes: formulas, FN functions, labels, calls and jumps.
 
+use super::Execution;
 use super::cursor::{Broken, Cursor};
-use super::flow::Execution;
 use super::formula::Formula;
 use super::parameters::Key;
 use super::script::Block;

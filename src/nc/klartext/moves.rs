@@ -1,7 +1,7 @@
 //! Straight blocks: L and LP, with what every block that moves has: feed, compensation and M words.
 
+use super::Execution;
 use super::cursor::Cursor;
-use super::flow::Execution;
 use super::functions::Functions;
 use super::path::{Path, Way};
 use super::script::Block;

@@ -8,8 +8,7 @@ use nalgebra::{Point3, Vector2};
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 
-use super::corners::Corner;
-use super::flow::Execution;
+use super::Execution;
 use super::script::Block;
 use crate::block::Line;
 use crate::codes::FeedMode;
@@ -21,7 +20,7 @@ pub const NO_WAY_MM: f64 = 1e-9;
 
 /// A part of the path: a straight line or an arc. Coordinates are those of the answer.
 #[derive(Debug, Clone, Copy)]
-pub struct Element<'a> {
+pub struct PathElement<'a> {
     pub line: Line<'a>,
     pub from: At,
     pub to: At,
@@ -49,16 +48,26 @@ pub struct Turn {
     pub turns: usize,
 }
 
+/// A corner that the next element completes.
+#[derive(Debug, Clone, Copy)]
+pub struct Corner<'a> {
+    pub line: Line<'a>,
+    /// The radius, or the length of the chamfer along both elements, mm of the program.
+    pub size_mm: f64,
+    pub is_round: bool,
+    pub feed: Option<(FeedMode, f64)>,
+}
+
 /// What is held back.
 #[derive(Debug, Default)]
 pub struct Path<'a> {
-    pub held: Option<Element<'a>>,
+    pub held: Option<PathElement<'a>>,
     pub corner: Option<Corner<'a>>,
     /// The plane and the direction in it with which the last element ends.
     tangent: Option<(Plane, Vector2<f64>)>,
 }
 
-impl Element<'_> {
+impl PathElement<'_> {
     /// The unit tangents in a plane at the start and at the end. `None` where the element has none there.
     pub fn tangents(&self, plane: Plane) -> Option<[Vector2<f64>; 2]> {
         let [from, to] = [in_plane(&self.from, plane)?, in_plane(&self.to, plane)?];
@@ -81,13 +90,13 @@ impl Element<'_> {
 
 impl<'a> Execution<'a, '_> {
     /// An element from where the tool stands, at the feed in force.
-    pub(super) fn element(&self, block: &Block<'a>, to: At, way: Way) -> Element<'a> {
+    pub(super) fn element(&self, block: &Block<'a>, to: At, way: Way) -> PathElement<'a> {
         let Machine { at, feed, feed_mode, .. } = *self.machine;
-        Element { line: block.line(), from: at, to, way, feed, feed_mode }
+        PathElement { line: block.line(), from: at, to, way, feed, feed_mode }
     }
 
     /// Goes on by an element, behind the corner that the last block has stated.
-    pub(super) fn advance(&mut self, block: &Block<'a>, mut element: Element<'a>) {
+    pub(super) fn advance(&mut self, block: &Block<'a>, mut element: PathElement<'a>) {
         match (self.path.corner.take(), self.path.held.take()) {
             (Some(corner), Some(held)) => self.join(block, held, &corner, &mut element),
             (_, Some(held)) => self.follow(held),
@@ -109,8 +118,8 @@ impl<'a> Execution<'a, '_> {
     }
 
     /// Sends an element to the machine, whose place stays the one that the program has reached.
-    pub(super) fn follow(&mut self, element: Element<'a>) {
-        let Element { line, from, to, way, feed, feed_mode } = element;
+    pub(super) fn follow(&mut self, element: PathElement<'a>) {
+        let PathElement { line, from, to, way, feed, feed_mode } = element;
         let (at, now) = (self.machine.at, (self.machine.feed, self.machine.feed_mode, self.machine.plane));
         self.machine.at = from;
         (self.machine.feed, self.machine.feed_mode) = (feed, feed_mode);

@@ -10,10 +10,9 @@
 //!
 //! Where the manuals leave open at which height a pattern ends, the height is not known behind it.
 
+use super::Execution;
 use super::cursor::{Broken, Cursor};
-use super::definitions::Values;
-use super::drilling::Drilling;
-use super::flow::Execution;
+use super::drilling::{Drilling, Values};
 use super::script::Block;
 use super::words::{Feed, Sort};
 use crate::fault::Fault;

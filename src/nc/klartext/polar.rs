@@ -7,8 +7,8 @@
 use nalgebra::{Vector2, Vector3};
 use toolpathd_core::geometry::plane::Plane;
 
+use super::Execution;
 use super::cursor::Cursor;
-use super::flow::Execution;
 use super::path::{NO_WAY_MM, in_plane};
 use super::script::Block;
 use super::words::{Sort, Words};
@@ -21,7 +21,7 @@ const SAME_RADIUS_MM: f64 = 1e-6;
 
 /// A pole. A change of the datum ends it.
 #[derive(Debug, Clone, Copy)]
-pub struct Pole {
+pub struct CirclePole {
     pub plane: Plane,
     /// Along the axes of the plane, in coordinates of the answer.
     pub at: [Option<f64>; 2],
@@ -47,11 +47,11 @@ impl<'a> Execution<'a, '_> {
         };
         let [a, b, _] = plane.axes();
         let at = self.machine.placed(words.axes);
-        self.pole = Some(Pole { plane, at: [at[a], at[b]], last: None });
+        self.pole = Some(CirclePole { plane, at: [at[a], at[b]], last: None });
     }
 
     /// The pole in force, with its place. Refuses a block without one.
-    pub(super) fn known_pole(&mut self, block: &Block<'a>) -> Option<(Pole, Vector2<f64>)> {
+    pub(super) fn known_pole(&mut self, block: &Block<'a>) -> Option<(CirclePole, Vector2<f64>)> {
         let Some(pole) = self.pole else {
             self.machine.refuse_state(block.line(), Fault::Lacks("CC"));
             return None;
@@ -83,7 +83,7 @@ impl<'a> Execution<'a, '_> {
         let mut to = self.machine.placed(along);
         let arm = radius * self.arm(pole.plane, angle);
         (to[a], to[b]) = (Some(center.x + arm.x), Some(center.y + arm.y));
-        self.pole = Some(Pole { last: Some([radius, angle]), ..pole });
+        self.pole = Some(CirclePole { last: Some([radius, angle]), ..pole });
         Some(to)
     }
 
@@ -93,7 +93,7 @@ impl<'a> Execution<'a, '_> {
     }
 
     /// Without PR the radius stays, if the tool still stands at the radius of the last polar block.
-    fn polar_radius(&self, pole: Pole, actual: Option<[f64; 2]>, words: &Words) -> Option<f64> {
+    fn polar_radius(&self, pole: CirclePole, actual: Option<[f64; 2]>, words: &Words) -> Option<f64> {
         match words.polar_radius {
             Some(Coordinate::Absolute(mm)) => Some(mm),
             Some(Coordinate::Relative(mm)) => actual.map(|[radius, _]| radius + mm),
@@ -130,7 +130,7 @@ impl<'a> Execution<'a, '_> {
 
     /// The radius in mm and the angle in degrees at which the tool stands about a pole, in coordinates of
     /// the program. `None` where they are not known, or the tool stands on the pole.
-    pub(super) fn polar_place(&self, pole: Pole, center: Vector2<f64>) -> Option<[f64; 2]> {
+    pub(super) fn polar_place(&self, pole: CirclePole, center: Vector2<f64>) -> Option<[f64; 2]> {
         let [a, b, _] = pole.plane.axes();
         let at = in_plane(&self.machine.at, pole.plane)?;
         let back = |place: Vector2<f64>| {

@@ -54,7 +54,7 @@ pub struct Program {
 pub struct Block<'a> {
     /// Without number, comment and marks of continuation.
     pub text: Vec<u8>,
-    pieces: Vec<Piece<'a>>,
+    pieces: Vec<TextPart<'a>>,
     /// The block stands behind a slash.
     pub is_optional: bool,
     /// The length of its lines, with comments.
@@ -63,7 +63,7 @@ pub struct Block<'a> {
 
 /// A part of a block that lies in one line.
 #[derive(Debug, Clone, Copy)]
-struct Piece<'a> {
+struct TextPart<'a> {
     /// Its first byte in the block.
     from: usize,
     line: Line<'a>,
@@ -203,7 +203,7 @@ impl<'a> Script<'a> {
             if !block.text.is_empty() {
                 block.text.push(b' ');
             }
-            block.pieces.push(Piece { from: block.text.len(), line, column: start });
+            block.pieces.push(TextPart { from: block.text.len(), line, column: start });
             block.text.extend_from_slice(&text[start..end]);
         }
         capitalize(&mut block.text);

@@ -3,8 +3,8 @@
 //! # Guarantees
 //! A block that is not known here is refused. What cannot move the tool is left alone and counted.
 
+use super::Execution;
 use super::cursor::Cursor;
-use super::flow::Execution;
 use super::script::Block;
 use super::words::Sort;
 use crate::block::WordValue;

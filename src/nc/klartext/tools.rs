@@ -2,9 +2,9 @@
 
 use toolpathd_core::geometry::plane::Plane;
 
+use super::Execution;
 use super::cursor::{Broken, Cursor};
 use super::datum::Transform;
-use super::flow::Execution;
 use super::script::Block;
 use crate::codes::FeedMode;
 use crate::fault::Fault;

@@ -2,8 +2,8 @@
 
 use toolpathd_core::geometry::curve::Direction;
 
+use super::Execution;
 use super::cursor::{Broken, Cursor};
-use super::flow::Execution;
 use super::script::Block;
 use crate::codes::FeedMode;
 use crate::fault::Fault;

@@ -7,8 +7,8 @@
 //!    corner. At an outside corner it goes round: by an arc about the corner, or along the prolonged
 //!    tangents, as the control does.
 //! 3. The first block leads from where the tool is to the offset start of the next block, or, on LinuxCNC, to
-//!    the offset end of its own; there an arc may be the first block, too. The last block ends at right angles
-//!    to its own end.
+//!    the offset end of its own; there an arc may be the first block, too. The last block ends at right
+//!    angles to its own end.
 //!
 //! # Guarantees
 //! * The centre of the path is never nearer to a corner than the radius.
@@ -22,7 +22,7 @@ use toolpathd_core::toolpath::path::PathError;
 use toolpathd_core::toolpath::units::FeedRate;
 
 use super::contour::{Contour, crossing, normal};
-use super::{Family, Fault};
+use super::{Family, Fault, Side};
 use crate::record::Record;
 
 /// Blocks along the normal and pauses between two blocks in the plane.
@@ -37,22 +37,6 @@ pub(super) const SAME_PLACE_MM: f64 = 1e-7;
 
 /// Largest radius of the arc that leads to a contour, mm.
 const MAX_ENTRY_RADIUS_MM: f64 = 1e5;
-
-/// The side of the contour on which the tool goes, seen along its way and against the normal of the plane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    Left,
-    Right,
-}
-
-impl Side {
-    pub(super) fn other(self) -> Self {
-        match self {
-            Side::Left => Side::Right,
-            Side::Right => Side::Left,
-        }
-    }
-}
 
 /// Compensation in force.
 #[derive(Debug, Clone)]
@@ -86,12 +70,12 @@ enum Entry {
 #[derive(Debug, Clone)]
 pub(super) struct Step {
     pub(super) curve: Curve,
-    pub(super) pace: Pace,
+    pub(super) drive: Drive,
     pub(super) line: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Pace {
+pub(super) enum Drive {
     Rapid,
     Feed(FeedRate, Option<f64>),
 }
@@ -223,7 +207,7 @@ impl Compensation {
             self.run_to(&waiting, own, at, record)
         } else {
             self.run_to(&waiting, own, beside_first, record)?;
-            let is_rapid = next.pace == Pace::Rapid;
+            let is_rapid = next.drive == Drive::Rapid;
             if corners.are_round && !is_rapid {
                 return self.round(corner, beside_second, next, record);
             }
@@ -240,13 +224,13 @@ impl Compensation {
             for to in ways {
                 let to = self.lifted(to);
                 let curve = Curve::Line(Segment { start: self.tip, end: to });
-                self.emit(curve, next.pace, next.line, record)?;
+                self.emit(curve, next.drive, next.line, record)?;
             }
             Ok(())
         }
     }
 
-    /// An arc about a corner to `to`, at the pace of the next block.
+    /// An arc about a corner to `to`, at the drive of the next block.
     fn round(
         &mut self,
         corner: Vector2<f64>,
@@ -258,7 +242,7 @@ impl Compensation {
         let (center, to) = (self.lifted(corner), self.lifted(to));
         let arc = Arc::with_center_near(self.plane, direction, self.tip, to, center);
         let arc = arc.map_err(|error| (next.line, Fault::Arc(error)))?;
-        self.emit(Curve::Arc(arc), next.pace, next.line, record)
+        self.emit(Curve::Arc(arc), next.drive, next.line, record)
     }
 
     /// Runs a block to `end` in the plane, then what waits with it. `own` is the contour of the block, absent
@@ -301,7 +285,7 @@ impl Compensation {
                 Curve::Line(Segment { start: self.tip, end: to })
             }
         };
-        self.emit(curve, step.pace, step.line, record)?;
+        self.emit(curve, step.drive, step.line, record)?;
         for own in between {
             match own {
                 Between::Along(step) => self.go_along(step, record)?,
@@ -318,14 +302,14 @@ impl Compensation {
         let n = self.plane.axes()[2];
         let mut to = self.tip;
         to[n] = step.curve.end()[n];
-        self.emit(Curve::Line(Segment { start: self.tip, end: to }), step.pace, step.line, record)
+        self.emit(Curve::Line(Segment { start: self.tip, end: to }), step.drive, step.line, record)
     }
 
-    fn emit(&mut self, curve: Curve, pace: Pace, line: usize, record: &mut Record) -> Result<(), Failure> {
+    fn emit(&mut self, curve: Curve, drive: Drive, line: usize, record: &mut Record) -> Result<(), Failure> {
         let to = curve.end();
-        match pace {
-            Pace::Rapid => record.rapid(self.tip, to, line),
-            Pace::Feed(rate, speed) => record.feed(curve, rate, speed, line),
+        match drive {
+            Drive::Rapid => record.rapid(self.tip, to, line),
+            Drive::Feed(rate, speed) => record.feed(curve, rate, speed, line),
         }
         .map_err(|error| (line, fault_of(error)))?;
         self.tip = to;

@@ -6,10 +6,8 @@ use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::path::PathError;
 use toolpathd_core::toolpath::units::FeedRate;
 
-use super::compensation::{
-    Between, Compensation, Corners, Failure, MAX_BETWEEN, Pace, SAME_PLACE_MM, Side, Step,
-};
-use super::{Block, Code, Correction, Family, Fault, Line, Machine, Meaning, Note, WordValue};
+use super::compensation::{Between, Compensation, Corners, Drive, Failure, MAX_BETWEEN, SAME_PLACE_MM, Step};
+use super::{Block, Code, Correction, Family, Fault, Line, Machine, Meaning, Note, Side, WordValue};
 use crate::fault::Refusal;
 
 /// Largest radius, mm.
@@ -210,8 +208,8 @@ impl Machine<'_> {
 
     /// Gives a move to the compensation in force.
     pub(super) fn follow(&mut self, curve: Curve, feed: Option<(FeedRate, Option<f64>)>, line: Line<'_>) {
-        let pace = feed.map_or(Pace::Rapid, |(rate, speed)| Pace::Feed(rate, speed));
-        let step = Step { curve, pace, line: line.number };
+        let drive = feed.map_or(Drive::Rapid, |(rate, speed)| Drive::Feed(rate, speed));
+        let step = Step { curve, drive, line: line.number };
         let Some(mut compensation) = self.compensation.take() else { return };
         let corners = Corners::of(self.control.family);
         match compensation.add(step, corners, &mut self.record) {

@@ -7,9 +7,9 @@ use nalgebra::{Point3, Vector2, Vector3};
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 
+use super::Mill;
 use super::block::{Block, From, Given};
 use super::corner::Shape;
-use super::mill::Mill;
 use crate::block::Line;
 use crate::fault::Fault;
 use crate::machine::At;

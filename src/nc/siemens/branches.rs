@@ -3,7 +3,7 @@
 use super::expression::Reader;
 use super::text::{Label, blanks, comment_start, front, name_at};
 use super::values::{Value, Variable};
-use super::{Repeat, Run};
+use super::{Execution, Repeat};
 use crate::block::Line;
 use crate::fault::Fault;
 
@@ -20,7 +20,7 @@ enum Way {
     IfFound,
 }
 
-impl<'a> Run<'a, '_> {
+impl<'a> Execution<'a, '_> {
     /// Runs a block of jumps, branches or loops that begins at byte `at`. False for other blocks.
     pub(super) fn branch(&mut self, line: Line<'a>, index: usize, at: usize) -> bool {
         let Some((name, end)) = name_at(line.text, at) else { return false };

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Run;
+use super::Execution;
 use super::cycles::cycle;
 use super::text::{blanks, comment_start, front, name_at};
 use super::values::{Kind, Value, Variable};
@@ -28,7 +28,7 @@ pub struct Call {
 /// The parameters of a call.
 type Arguments = Vec<Option<Value>>;
 
-impl<'a> Run<'a, '_> {
+impl<'a> Execution<'a, '_> {
     /// Runs a block that defines or calls, and begins at byte `at`. False for other blocks.
     pub(super) fn call_or_define(&mut self, line: Line<'a>, index: usize, at: usize) -> bool {
         let last = comment_start(line.text);

@@ -1,8 +1,8 @@
 //! Feeds, speeds, tools and pauses.
 
+use super::Mill;
 use super::block::{Block, Tool};
 use super::codes::Meaning;
-use super::mill::Mill;
 use crate::block::{Line, WordValue};
 use crate::codes::FeedMode;
 use crate::fault::Fault;

@@ -13,13 +13,15 @@ use nalgebra::Vector2;
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 
+use super::Mill;
 use super::corner_geometry::{Path, chamfer, rounding};
-use super::mill::Mill;
-use super::motion::NO_WAY_MM;
 use crate::block::Line;
 use crate::codes::FeedMode;
 use crate::fault::Fault;
 use crate::machine::At;
+
+/// A shorter way is none, mm.
+pub(super) const NO_WAY_MM: f64 = 1e-9;
 
 /// The way of a cut in the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -24,7 +24,7 @@ pub struct Path {
 
 /// Where a corner begins and ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Joint {
+pub struct CornerCut {
     pub first: Vector2<f64>,
     pub second: Vector2<f64>,
     /// The centre of a rounding, and whether it runs counterclockwise.
@@ -152,20 +152,20 @@ fn turn(before: &Path, after: &Path) -> Result<Option<f64>, ()> {
 ///
 /// # Errors
 /// When it does not fit.
-pub fn rounding(before: &Path, after: &Path, radius: f64) -> Result<Option<Joint>, ()> {
+pub fn rounding(before: &Path, after: &Path, radius: f64) -> Result<Option<CornerCut>, ()> {
     let Some(sine) = turn(before, after)? else { return Ok(None) };
     let is_left = sine > 0.0;
     let mm = if is_left { radius } else { -radius };
     let (a, b) = (before.moved_left(mm).ok_or(())?, after.moved_left(mm).ok_or(())?);
     let corner = before.end;
-    let mut joints: Vec<(f64, Joint)> = Vec::new();
+    let mut joints: Vec<(f64, CornerCut)> = Vec::new();
     for center in crossings(a, b) {
         let (Some(first), Some(second)) = (before.foot(&center), after.foot(&center)) else { continue };
         // An arc of which nothing is left would be a full circle.
         let vanishes = before.arc.is_some() && (first - before.start).norm() <= LEAST_ARC_MM
             || after.arc.is_some() && (second - after.end).norm() <= LEAST_ARC_MM;
         if before.holds(&first) && after.holds(&second) && !vanishes {
-            let joint = Joint { first, second, center: Some((center, is_left)) };
+            let joint = CornerCut { first, second, center: Some((center, is_left)) };
             joints.push(((center - corner).norm(), joint));
         }
     }
@@ -177,7 +177,7 @@ pub fn rounding(before: &Path, after: &Path, radius: f64) -> Result<Option<Joint
 ///
 /// # Errors
 /// When it does not fit, or a path is an arc.
-pub fn chamfer(before: &Path, after: &Path, mm: f64, is_width: bool) -> Result<Option<Joint>, ()> {
+pub fn chamfer(before: &Path, after: &Path, mm: f64, is_width: bool) -> Result<Option<CornerCut>, ()> {
     if before.arc.is_some() || after.arc.is_some() {
         return Err(());
     }
@@ -191,7 +191,7 @@ pub fn chamfer(before: &Path, after: &Path, mm: f64, is_width: bool) -> Result<O
     let leg = if is_width { mm / width } else { mm };
     let (first, second) = (before.end - first * leg, after.start + second * leg);
     if before.holds(&first) && after.holds(&second) {
-        Ok(Some(Joint { first, second, center: None }))
+        Ok(Some(CornerCut { first, second, center: None }))
     } else {
         Err(())
     }

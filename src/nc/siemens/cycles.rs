@@ -6,7 +6,7 @@
 
 use toolpathd_core::geometry::plane::Plane;
 
-use super::mill::Mill;
+use super::Mill;
 use super::values::Value;
 use crate::block::Line;
 use crate::fault::Fault;

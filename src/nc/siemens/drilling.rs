@@ -5,8 +5,8 @@
 //! 2. To the depth as the cycle says, and back to the retraction plane.
 //! 3. A pattern moves by rapids from hole to hole. The modal cycle runs at each.
 
+use super::Mill;
 use super::cycles::{Cycle, Heights, Kind};
-use super::mill::Mill;
 use crate::block::Line;
 use crate::codes::FeedMode;
 use crate::fault::Fault;

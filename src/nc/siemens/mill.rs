@@ -8,10 +8,9 @@
 
 use toolpathd_core::geometry::plane::Plane;
 
-use super::block::{Block, From, Given, Tool};
+use super::Mill;
+use super::block::{Block, From, Given};
 use super::codes::{Meaning, Motion, group};
-use super::corner::Pending;
-use super::cycles::Cycle;
 use crate::block::Line;
 use crate::fault::Fault;
 use crate::flow::MAX_BLOCKS;
@@ -26,41 +25,6 @@ pub enum Next {
     Block,
     /// M2, M30, M17.
     End,
-}
-
-/// A control on its way through a program.
-pub struct Mill<'a, 'm> {
-    pub machine: &'m mut Machine<'a>,
-    pub(super) motion: Option<Motion>,
-    pub(super) is_absolute: bool,
-    /// The unit of feeds; G70 and G71 leave it alone.
-    pub(super) feeds_in_inches: bool,
-    has_units: bool,
-    /// The pole in coordinates of the program, along the axes of the plane; `None` where it is not known.
-    pub(super) pole: Option<[f64; 2]>,
-    /// The last polar angle in degrees, and the last polar radius, mm.
-    pub(super) polar: [Option<f64>; 2],
-    pub(super) called_tool: Option<Tool>,
-    /// T changes the tool, because the text has no M6.
-    pub(super) t_changes: bool,
-    pub(super) edge: Option<u32>,
-    /// The zero has changed since a block named the axis: a setting of the control decides where an
-    /// incremental way leads.
-    pub(super) is_stale: [bool; 3],
-    pub(super) pending: Option<Pending<'a>>,
-    /// RNDM, in units of the program, and the feed of FRCM.
-    pub(super) rounding: f64,
-    pub(super) corner_feed: Option<f64>,
-    /// The direction in the plane in which the last path block arrived.
-    pub(super) tangent: Option<[f64; 2]>,
-    pub(super) modal_cycle: Option<Cycle>,
-    /// Zeros that the program has written, until a block selects them.
-    pub(super) written_zeros: Vec<(u32, [Option<f64>; 3])>,
-    has_selected: bool,
-    has_moved: bool,
-    pub(super) is_transformed: bool,
-    /// Pecks and holes of patterns so far, which are limited as blocks are.
-    n_repeated: usize,
 }
 
 impl<'a, 'm> Mill<'a, 'm> {

@@ -1,16 +1,13 @@
 //! What the axis words of a block do: rapids, lines, and the ends of arcs.
 
+use super::Mill;
 use super::block::{Block, From, Given};
 use super::codes::{Meaning, Motion};
 use super::corner::{Corner, Kind, Shape};
-use super::mill::Mill;
 use crate::block::Line;
 use crate::fault::Fault;
 use crate::machine::At;
 use crate::placement::Coordinate;
-
-/// A shorter way is none, mm.
-pub(super) const NO_WAY_MM: f64 = 1e-9;
 
 impl<'a> Mill<'a, '_> {
     /// Moves as the words of the block say. Whether the block moves.

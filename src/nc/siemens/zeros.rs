@@ -3,9 +3,9 @@
 use nalgebra::{Point3, Vector3};
 use toolpathd_core::geometry::plane::Plane;
 
+use super::Mill;
 use super::block::{Block, From, Given};
 use super::codes::{FrameWord, PoleFrom};
-use super::mill::Mill;
 use crate::block::Line;
 use crate::fault::Fault;
 use crate::placement::{Coordinate, Placement};

@@ -21,8 +21,8 @@ fn figures(dialect: &str, text: &str) -> (f64, [f64; 4]) {
 #[test]
 fn outside_a_square_the_centre_goes_round_its_corners() {
     let text = "G21 G90 G94 G17\nT1 M6 G43 H1\nG0 X-20 Y-20 Z-1\nG1 G41 D1 X0 Y0 F500\nY40\nX40\nY0\nX0\nG40 X-20 Y-20\nM2\n";
-    // On LinuxCNC the entry leads to the crossing of its own offset with that of the first side, and the way out
-    // begins 5 mm below the corner.
+    // On LinuxCNC the entry leads to the crossing of its own offset with that of the first side, and the way
+    // out begins 5 mm below the corner.
     let (length, bounds) = figures("linuxcnc", text);
     let above = 5.0 * (2.0f64.sqrt() - 1.0);
     let sides = 40.0 - above + 3.0 * 40.0 + 3.0 * 5.0 * PI / 2.0;

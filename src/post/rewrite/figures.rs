@@ -42,9 +42,9 @@ pub struct LeftAlone {
     pub modes: u64,
     /// Number of blocks to which the program may jump.
     pub labels: u64,
-    /// Number of blocks with a comment, a block delete, or words beside N, G1, X, Y, Z, F and the S in force, or
-    /// with a number of more than six decimals.
-    pub other_words: u64,
+    /// Number of other blocks: with a comment, a block delete, words beside N, G1, X, Y, Z, F and the S in
+    /// force, a number of more than six decimals, or a start that is not known.
+    pub others: u64,
     /// Number of blocks in runs of fewer than three blocks.
     pub short_runs: u64,
 }
@@ -53,7 +53,7 @@ impl LeftAlone {
     /// Counts a cutting block that is in no run. `may_arrive`: the program may jump to it. `allows_runs`: the
     /// modes before it let a block be in a run.
     pub fn add(&mut self, block: &Block, may_arrive: bool, allows_runs: bool) {
-        let Self { macros, other_axes, modes, labels, other_words, short_runs: _ } = self;
+        let Self { macros, other_axes, modes, labels, others, short_runs: _ } = self;
         *if block.is_unclear {
             macros
         } else if block.has_other_axes() {
@@ -63,7 +63,7 @@ impl LeftAlone {
         } else if !allows_runs {
             modes
         } else {
-            other_words
+            others
         } += 1;
     }
 }

@@ -282,12 +282,12 @@ fn repeated_speeds_and_long_numbers_leave_no_program_alone() {
     assert_eq!((figures.n_points, figures.n_arcs), (40, 1));
     let (_, figures) =
         rewritten_as(&LINUXCNC, format!("{start}{}", spoken.replacen("S255", "S25", 20)).as_bytes(), 7);
-    assert_eq!((figures.n_points, figures.left_alone.other_words), (38, 2));
+    assert_eq!((figures.n_points, figures.left_alone.others), (38, 2));
     let lines: Vec<&str> = run.lines().collect();
     let long = lines[20].replace(" Y", "0000000003 Y");
     let text = format!("{start}{}\n{long}\n{}\n", lines[..20].join("\n"), lines[21..].join("\n"));
     let (output, figures) = rewritten_as(&LINUXCNC, text.as_bytes(), 7);
-    assert_eq!((figures.n_points, figures.n_arcs, figures.left_alone.other_words), (39, 2, 1));
+    assert_eq!((figures.n_points, figures.n_arcs, figures.left_alone.others), (39, 2, 1));
     assert!(String::from_utf8(output).unwrap().contains(&long));
 }
 

@@ -206,6 +206,11 @@ const BEHIND: &[u8] = b"G0 Z50. (up)\n\n/M8\n  G28 Z0\nM30\n%";
 /// The blocks before a run in programs that are sent in pieces.
 const HEAD: &str = "G17 G21 G90 G94\nG0 X20 Y0 Z5\nG1 Z0 F300 ; down\n";
 
+/// More comments than the service searches for jumps before it answers.
+fn lead() -> String {
+    "(A COMMENT OF FORTY CHARACTERS, ALL IN ALL)\n".repeat(7000)
+}
+
 /// A run of 400 blocks on a circle of 20 mm radius about the origin, through 4 radians.
 fn run() -> String {
     let block = |k: u32| {
@@ -286,7 +291,9 @@ async fn accepting_json_gives_the_report_of_a_program_without_its_text() {
     assert!((0.000_25..=0.005).contains(&deviation), "the deviation is {deviation}");
     let expected = json!({
         "n_runs": 1, "n_points": 400, "n_arcs": 1, "n_lines": 0, "deviation_max_mm": null,
-        "n_motions": 404, "left_alone": { "macros": 0, "other_axes": 0, "modes": 0 },
+        "n_motions": 404, "left_alone": {
+            "macros": 0, "other_axes": 0, "modes": 0, "labels": 0, "others": 1, "short_runs": 0,
+        },
         "bytes_in": program().len(), "bytes_out": fitted().len(),
     });
     assert_eq!(report, expected);
@@ -343,15 +350,15 @@ async fn compression_and_chunks_do_not_change_a_rewritten_program() {
     }
     // A truncated body is refused if the answer has not begun. Otherwise the answer breaks off.
     for end in [coded.len() / 2, coded.len() - 1] {
-        let answer = rewrite(&app, QUERY, coded[..end].to_vec(), &[CODED, FIGURES]).await;
-        assert_refused(&answer, 400, "bad_request");
-        let begun = begin(&app, QUERY, coded[..end].to_vec(), &[CODED]).await;
-        assert_eq!(begun.status(), 200);
-        assert!(
-            to_bytes(begun.into_body(), usize::MAX).await.is_err(),
-            "the answer to {end} bytes does not break off"
-        );
+        for headers in [[CODED, FIGURES].as_slice(), &[CODED]] {
+            let answer = rewrite(&app, QUERY, coded[..end].to_vec(), headers).await;
+            assert_refused(&answer, 400, "bad_request");
+        }
     }
+    let long = gzip(&[lead().as_bytes(), &program()].concat());
+    let begun = begin(&app, QUERY, long[..long.len() - 1].to_vec(), &[CODED]).await;
+    assert_eq!(begun.status(), 200);
+    assert!(to_bytes(begun.into_body(), usize::MAX).await.is_err(), "the answer does not break off");
 }
 
 #[tokio::test]
@@ -362,14 +369,15 @@ async fn streams_above_the_limit_are_refused_until_a_stream_ends() {
         let piece = receiver.recv().await?;
         Some((Ok::<_, std::io::Error>(piece), receiver))
     });
-    sender.send(HEAD.into()).await.expect("the channel has room");
+    let head = lead() + HEAD;
+    sender.send(head.clone().into()).await.expect("the channel has room");
     let first = begin(&app, QUERY, Body::from_stream(pieces), &[]).await;
     let second = rewrite(&app, QUERY, HEAD, &[]).await;
     assert_refused(&second, 503, "overloaded");
     assert!(second.header("retry-after").parse::<u32>().is_ok());
     assert_eq!(post(&app, FIT, SINE, &[]).await.status, 200);
     drop(sender);
-    assert_eq!(to_bytes(first.into_body(), usize::MAX).await.expect("a whole body"), HEAD);
+    assert_eq!(to_bytes(first.into_body(), usize::MAX).await.expect("a whole body"), head);
     let third = async {
         while rewrite(&app, QUERY, HEAD, &[]).await.status != 200 {
             tokio::time::sleep(Duration::from_millis(5)).await;
@@ -419,7 +427,7 @@ async fn finished_blocks_are_sent_back_during_the_upload_and_a_fault_breaks_the_
     let app = app(&["--workers", "1"]);
     let server = Server::start(&app).await;
     let address = server.address;
-    let [first, second] = [format!("{HEAD}{}G0 Z5\n", run()), format!("{HEAD}{}M30\n", run())];
+    let [first, second] = [format!("{}{HEAD}{}G0 Z5\n", lead(), run()), format!("{HEAD}{}M30\n", run())];
     let whole = rewrite(&app, QUERY, format!("{first}{second}"), &[]).await.text();
     let answer = aside(move || {
         let (mut stream, mut text) = (upload(address), String::new());
@@ -441,7 +449,7 @@ async fn finished_blocks_are_sent_back_during_the_upload_and_a_fault_breaks_the_
     assert_eq!(body, whole);
     aside(move || {
         let (mut stream, mut text) = (upload(address), String::new());
-        write(&mut stream, &chunk(HEAD));
+        write(&mut stream, &chunk(&(lead() + HEAD)));
         assert!(read_to("; down\n", &mut stream, &mut text), "{text}");
         // The service need not read a refused program to its end, so that writing may fail.
         let _ = stream.write_all(format!("{}0\r\n\r\n", chunk(&"x".repeat(100_000))).as_bytes());
@@ -486,7 +494,9 @@ async fn a_program_is_recognised_by_its_first_bytes_and_may_be_sent_by_put() {
     }
     let text = "G21 G90 G17\nG1 X1 F100\nX2 A3\nX#1\nG41 D1\nG1 X3\nG1 X4\nG40\n";
     let report = rewrite(&app, QUERY, text, &[FIGURES]).await.json()["report"].clone();
-    assert_eq!(report["left_alone"], json!({ "macros": 1, "other_axes": 1, "modes": 2 }), "{report}");
+    let left_alone =
+        json!({ "macros": 1, "other_axes": 1, "modes": 2, "labels": 0, "others": 1, "short_runs": 0 });
+    assert_eq!(report["left_alone"], left_alone, "{report}");
 }
 
 /// A spline through points near the limit of a kilometre goes beyond the limit.

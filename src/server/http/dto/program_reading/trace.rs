@@ -31,7 +31,8 @@ pub struct TracedReport {
     is_absolute: bool,
     /// What `feed` counts.
     feed_mode: TracedFeed,
-    /// The feed: a number of mm/min, of 1/min or of mm per turn, by `feed_mode`. `null` where none is in force.
+    /// The feed: a number of mm/min, of 1/min or of mm per turn, by `feed_mode`. `null` where none is in
+    /// force.
     #[schema(required)]
     feed: Option<f64>,
     /// The speed of the spindle, in 1/min. `null` where none was given.

@@ -39,13 +39,14 @@ fn a_hundred_megabytes_at_full_speed_arrive_without_loss() {
                 port.write_all(b"\x11").expect("the sender listens");
             }
         }
-        n_pauses
+        // The sender may wait for its last characters to leave, so the port stays open until then.
+        (n_pauses, port)
     });
     let target = Target { address: Address::Serial(path), settings: settings("unpaced=true leader=0") };
     let begun = Instant::now();
     let outcome = send(&program, &target, &Stop::default(), &mut |_| {}).expect("the port opens");
     let seconds = begun.elapsed().as_secs_f64();
-    let n_pauses = reader.join().expect("every byte arrives");
+    let (n_pauses, _port) = reader.join().expect("every byte arrives");
     assert_eq!((outcome.failure, outcome.left), (None, Left::Whole));
     assert_eq!(outcome.progress.n_characters, n_bytes);
     assert_eq!(n_pauses, n_bytes / 1_000_000);

@@ -186,7 +186,7 @@ pub fn name(number: u32) -> String {
     match number {
         1..=6 => format!("G{}", 53 + number),
         7..=9 => format!("G59.{}", number - 6),
-        // Those of SINUMERIK.
+        // A SINUMERIK control numbers its settable offsets from G500 to G599.
         500..=599 => format!("G{number}"),
         _ => format!("G54.1 P{}", number.saturating_sub(EXTENDED)),
     }

@@ -2,8 +2,9 @@
 //!
 //! # Method
 //! 1. `source` divides the text into lines and finds programs, subroutines and block numbers.
-//! 2. `flow` runs the program line by line: `statement` tells what a line is, `block` and `expression` read
-//!    its words, `variables` holds what the program computes.
+//! 2. A reader for each language runs the program block by block: `siemens` for SINUMERIK, `klartext` for
+//!    Heidenhain, `flow` for all other controls. In `flow`, `statement` tells what a line is, `block` and
+//!    `expression` read its words, `variables` holds what the program computes.
 //! 3. `machine` holds the modal state. `codes` and [`control`] say how controls differ. `frames` holds work
 //!    offsets and shifts.
 //! 4. `record` holds the moves.
@@ -30,6 +31,7 @@ mod block;
 mod expression;
 mod flow;
 mod klartext;
+mod offset_curve;
 mod placement;
 mod siemens;
 mod source;

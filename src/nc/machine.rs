@@ -234,6 +234,14 @@ impl<'a> Machine<'a> {
         }
     }
 
+    /// Tells the first note of its kind.
+    pub(crate) fn note_first(&mut self, note: Note) {
+        let kind = std::mem::discriminant(&note);
+        if !self.notes.iter().any(|other| std::mem::discriminant(other) == kind) {
+            self.note(note);
+        }
+    }
+
     fn leave_code(&mut self, line: Line<'_>, letter: char, tenths: i32) {
         let (whole, tenth) = (tenths / 10, tenths % 10);
         let word = if tenth == 0 { format!("{letter}{whole}") } else { format!("{letter}{whole}.{tenth}") };

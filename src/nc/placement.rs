@@ -44,14 +44,7 @@ impl Placement {
     /// A turn of `degrees` about `center`, counterclockwise as seen against the normal of the plane.
     pub fn turned(plane: Plane, center: Point3<f64>, degrees: f64) -> Self {
         let [a, b, _] = plane.axes();
-        // Quarter turns are exact.
-        let (sin, cos) = match degrees.rem_euclid(360.0) {
-            0.0 => (0.0, 1.0),
-            90.0 => (1.0, 0.0),
-            180.0 => (0.0, -1.0),
-            270.0 => (-1.0, 0.0),
-            angle => angle.to_radians().sin_cos(),
-        };
+        let (sin, cos) = sine_and_cosine(degrees);
         let mut linear = Matrix3::identity();
         (linear[(a, a)], linear[(a, b)], linear[(b, a)], linear[(b, b)]) = (cos, -sin, sin, cos);
         let shift = center.coords - linear * center.coords;
@@ -113,6 +106,17 @@ impl Placement {
         let factor = first.norm();
         let is_even = (factor - second.norm()).abs() <= 1e-12 * factor;
         is_even.then(|| (factor, first.perp(&second) < 0.0))
+    }
+}
+
+/// Sine and cosine of an angle. Those of quarter turns are exact.
+pub fn sine_and_cosine(degrees: f64) -> (f64, f64) {
+    match degrees.rem_euclid(360.0) {
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        angle => angle.to_radians().sin_cos(),
     }
 }
 

@@ -11,9 +11,9 @@
 //! 2. For each chord, compute the swept height (`sweep`) at the corners of the cells that the cutter passes
 //!    over. It is a convex function of the place: its value at the corners of a cell bounds it from above,
 //!    its tangent planes at the corners bound it from below (`band`).
-//! 3. With slack, the bound from above is that of a smaller cutter, which lies within the real cutter
-//!    wherever the control runs it. The bound from below is that of a larger cutter, which covers the real
-//!    cutter.
+//! 3. With slack, compute the bound from above with a smaller cutter. The smaller cutter stays within the
+//!    real cutter wherever the control runs the real cutter. Compute the bound from below with a larger
+//!    cutter, which covers the real cutter.
 //! 4. Before a step cuts, tell how deep a rapid enters the material, and how near sections of the shank and
 //!    of the holder come to it (`probe`).
 //!

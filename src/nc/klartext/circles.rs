@@ -116,7 +116,8 @@ impl<'a, 'm> Execution<'a, 'm> {
             self.refuse_block(block, Fault::NotRead);
             return None;
         }
-        // Behind RND or CHF the direction is that of an arc or a line that depends on this one.
+        // Behind RND or CHF the arc begins in the direction of the rounding or the chamfer. Their place
+        // depends on the arc.
         let Some(along) = self.tangent().filter(|_| self.path.corner.is_none()) else {
             self.machine.refuse_state(block.line(), Fault::Lacks("an element before it"));
             return None;

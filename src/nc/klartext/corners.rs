@@ -15,6 +15,7 @@ use super::path::{Corner, NO_WAY_MM, PathElement, Turn, Way, in_plane};
 use super::script::Block;
 use super::words::{Feed, Sort};
 use crate::fault::Fault;
+use crate::offset_curve::{OffsetCurve, left_of};
 
 /// Sines of angles that count as none: elements that meet at a smaller angle go on tangentially.
 const NO_ANGLE: f64 = 1e-9;
@@ -152,7 +153,7 @@ impl Corner<'_> {
         }
         let distance = size * turn.signum();
         let corner = first.to;
-        let mut places = meetings(first.offset(distance), second.offset(distance));
+        let mut places = first.offset(distance).crossings(second.offset(distance), 0.0);
         places.retain(|center| first.has(first.foot(*center)) && second.has(second.foot(*center)));
         places.sort_by(|a, b| (a - corner).norm().total_cmp(&(b - corner).norm()));
         let center = *places.first().ok_or(Fault::OutOfRange(self.size_mm))?;
@@ -186,7 +187,7 @@ impl Flat {
             None => self.to - self.from,
             Some((center, is_left)) => {
                 let arm = at - center;
-                let left = Vector2::new(-arm.y, arm.x);
+                let left = left_of(arm);
                 if is_left { left } else { -left }
             }
         };
@@ -194,15 +195,18 @@ impl Flat {
     }
 
     /// The element moved to its left.
-    fn offset(&self, distance: f64) -> Offset {
+    fn offset(&self, distance: f64) -> OffsetCurve {
         match self.about {
             None => {
                 let along = self.tangent_at(self.from);
-                Offset::Line(self.from + Vector2::new(-along.y, along.x) * distance, along)
+                OffsetCurve::Line { at: self.from + left_of(along) * distance, along }
             }
             Some((center, is_left)) => {
                 let radius = (self.to - center).norm();
-                Offset::Circle(center, if is_left { radius - distance } else { radius + distance })
+                OffsetCurve::Circle {
+                    center,
+                    radius_mm: if is_left { radius - distance } else { radius + distance },
+                }
             }
         }
     }
@@ -239,43 +243,4 @@ impl Flat {
             }
         }
     }
-}
-
-/// An element moved by the radius of a rounding.
-enum Offset {
-    Line(Vector2<f64>, Vector2<f64>),
-    Circle(Vector2<f64>, f64),
-}
-
-/// Where two offsets meet.
-fn meetings(a: Offset, b: Offset) -> Vec<Vector2<f64>> {
-    match (a, b) {
-        (Offset::Line(p, along), Offset::Line(q, onward)) => {
-            vec![p + along * ((q - p).perp(&onward) / along.perp(&onward))]
-        }
-        (Offset::Line(p, along), Offset::Circle(center, radius))
-        | (Offset::Circle(center, radius), Offset::Line(p, along)) => {
-            let foot = p + along * along.dot(&(center - p));
-            let rest = radius * radius - (foot - center).norm_squared();
-            both(foot, along, rest, radius)
-        }
-        (Offset::Circle(c, r), Offset::Circle(d, s)) => {
-            let between = d - c;
-            let distance = between.norm();
-            if distance <= NO_WAY_MM || s <= 0.0 {
-                return Vec::new();
-            }
-            let along = between / distance;
-            let way = (distance * distance + r * r - s * s) / (2.0 * distance);
-            both(c + along * way, Vector2::new(-along.y, along.x), r * r - way * way, r)
-        }
-    }
-}
-
-fn both(foot: Vector2<f64>, along: Vector2<f64>, rest: f64, radius: f64) -> Vec<Vector2<f64>> {
-    if rest < 0.0 || radius <= 0.0 {
-        return Vec::new();
-    }
-    let half = along * rest.sqrt();
-    vec![foot + half, foot - half]
 }

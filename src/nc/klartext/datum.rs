@@ -182,8 +182,8 @@ impl<'a> Execution<'a, '_> {
             if !FACTORS.contains(&factor) {
                 return self.refuse_block(block, Fault::OutOfRange(factor));
             }
-            if factor != 1.0 && !self.machine.notes.iter().any(|n| matches!(n, Note::ScalesAllAxes { .. })) {
-                self.machine.note(Note::ScalesAllAxes { line: block.line().number });
+            if factor != 1.0 {
+                self.machine.note_first(Note::ScalesAllAxes { line: block.line().number });
             }
             self.transform(block, Transform::Scaling(factor));
         }

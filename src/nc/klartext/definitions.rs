@@ -146,7 +146,8 @@ impl<'a> Execution<'a, '_> {
         }
     }
 
-    /// The values of a cycle, which become those of the parameters. `None` where one is refused.
+    /// Reads the Q parameters of a cycle definition and sets them. Returns their values, or `None` where a
+    /// value is refused.
     fn cycle_values(
         &mut self,
         block: &Block<'a>,

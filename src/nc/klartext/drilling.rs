@@ -260,9 +260,8 @@ impl<'a> Execution<'a, '_> {
             return self.machine.refuse_state(block.line(), Fault::UnknownStart(['X', 'Y', 'Z'][n]));
         };
         self.forget_tangent();
-        if drilling.is_tapping && !self.machine.notes.iter().any(|note| matches!(note, Note::Tapping { .. }))
-        {
-            self.machine.note(Note::Tapping { line: block.line().number });
+        if drilling.is_tapping {
+            self.machine.note_first(Note::Tapping { line: block.line().number });
         }
         let height = |mm: f64| surface + factor * mm;
         let own_mode = if self.is_per_turn { FeedMode::PerTurn } else { FeedMode::PerMinute };

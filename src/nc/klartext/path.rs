@@ -18,7 +18,7 @@ use crate::machine::{At, Machine};
 /// Ends that are nearer have no direction, mm. Sums of coordinates differ by some 1e-12 mm.
 pub const NO_WAY_MM: f64 = 1e-9;
 
-/// A part of the path: a straight line or an arc. Coordinates are those of the answer.
+/// A straight line or an arc of the path, with its ends in coordinates of the answer.
 #[derive(Debug, Clone, Copy)]
 pub struct PathElement<'a> {
     pub line: Line<'a>,
@@ -58,7 +58,7 @@ pub struct Corner<'a> {
     pub feed: Option<(FeedMode, f64)>,
 }
 
-/// What is held back.
+/// The element that waits for the next block, and the corner at its end.
 #[derive(Debug, Default)]
 pub struct Path<'a> {
     pub held: Option<PathElement<'a>>,
@@ -106,7 +106,7 @@ impl<'a> Execution<'a, '_> {
         self.path.held = Some(element);
     }
 
-    /// Sends what is held back to the machine. A corner without a next element is refused.
+    /// Sends the waiting element to the machine. Refuses a corner behind which no element comes.
     pub(super) fn settle(&mut self) {
         if let Some(corner) = self.path.corner.take() {
             self.machine.refuse(corner.line.refused(Fault::Lacks("the next element")));

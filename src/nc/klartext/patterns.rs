@@ -230,7 +230,7 @@ fn on_circle(own: &dyn Fn(u16) -> f64, unit: f64) -> Result<Vec<[f64; 2]>, Fault
         (step, _) if step != 0.0 => step,
         _ if whole.abs() == 360.0 => whole / number as f64,
         _ if whole == 0.0 || whole.abs() > 360.0 => return Err(Fault::OutOfRange(own(246))),
-        // The stopping angle is that of the last place.
+        // The last hole lies at the stopping angle.
         _ => whole / (number - 1) as f64,
     };
     if own(365) != 0.0 {

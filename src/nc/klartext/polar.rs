@@ -14,7 +14,7 @@ use super::script::Block;
 use super::words::{Sort, Words};
 use crate::fault::Fault;
 use crate::machine::At;
-use crate::placement::Coordinate;
+use crate::placement::{Coordinate, sine_and_cosine};
 
 /// Differences of radii that count as none, mm: well below every unit of a program.
 const SAME_RADIUS_MM: f64 = 1e-6;
@@ -114,13 +114,7 @@ impl<'a> Execution<'a, '_> {
 
     /// A vector of length one at an angle of the program, in coordinates of the answer.
     pub(super) fn arm(&self, plane: Plane, degrees: f64) -> Vector2<f64> {
-        let (sin, cos) = match degrees.rem_euclid(360.0) {
-            0.0 => (0.0, 1.0),
-            90.0 => (1.0, 0.0),
-            180.0 => (0.0, -1.0),
-            270.0 => (-1.0, 0.0),
-            angle => angle.to_radians().sin_cos(),
-        };
+        let (sin, cos) = sine_and_cosine(degrees);
         let [a, b, _] = plane.axes();
         let mut arm = Vector3::zeros();
         (arm[a], arm[b]) = (cos, sin);

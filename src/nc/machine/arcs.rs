@@ -211,9 +211,7 @@ impl Machine<'_> {
                     return None;
                 }
                 (_, is_absolute) => {
-                    if !self.notes.iter().any(|note| matches!(note, Note::CentersAssumed { .. })) {
-                        self.note(Note::CentersAssumed { line: line.number });
-                    }
+                    self.note_first(Note::CentersAssumed { line: line.number });
                     if is_absolute { absolute } else { from_start }
                 }
             },

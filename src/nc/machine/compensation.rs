@@ -230,7 +230,7 @@ impl Compensation {
         }
     }
 
-    /// An arc about a corner to `to`, at the drive of the next block.
+    /// An arc about a corner to `to`, at the feed of the next block.
     fn round(
         &mut self,
         corner: Vector2<f64>,

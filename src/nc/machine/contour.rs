@@ -7,12 +7,16 @@ use toolpathd_core::geometry::curve::{Arc, Curve, Direction};
 use toolpathd_core::geometry::plane::Plane;
 
 use crate::fault::Fault;
+use crate::offset_curve::{OffsetCurve, left_of};
 
 /// Least radius of an offset arc, mm. Below it ends and centre cannot be told apart.
 const LEAST_RADIUS_MM: f64 = 1e-6;
 
 /// Part of a turn by which an offset arc may run backwards: rounding of intersections.
 const SAME_ANGLE: f64 = 1e-9;
+
+/// Part of the square of a radius by which a chord may miss its circle: rounding of the contour.
+const SAME_CHORD: f64 = 1e-12;
 
 /// A line or an arc of a contour with the curve beside it.
 #[derive(Debug, Clone, Copy)]
@@ -37,7 +41,7 @@ struct Turn {
 
 /// The direction across `way`, to the left or to the right.
 pub fn normal(way: Vector2<f64>, is_left: bool) -> Vector2<f64> {
-    if is_left { Vector2::new(-way.y, way.x) } else { Vector2::new(way.y, -way.x) }
+    if is_left { left_of(way) } else { -left_of(way) }
 }
 
 impl Contour {
@@ -81,6 +85,14 @@ impl Contour {
         })
     }
 
+    /// The line or the circle beside it.
+    fn offset(&self) -> OffsetCurve {
+        match self.turn {
+            None => OffsetCurve::Line { at: self.from, along: self.begins },
+            Some(_) => OffsetCurve::Circle { center: self.from, radius_mm: self.radius_mm },
+        }
+    }
+
     /// The angle that the offset arc sweeps between two of its places; `None` where it would run backwards or
     /// leave the arc by more than half a turn.
     pub fn swept(&self, start: Vector2<f64>, end: Vector2<f64>) -> Option<f64> {
@@ -97,46 +109,6 @@ impl Contour {
 
 /// The crossing of two offset curves that is nearest to the corner; `None` where they do not cross.
 pub fn crossing(first: &Contour, second: &Contour, corner: Vector2<f64>) -> Option<Vector2<f64>> {
-    let found = match (first.turn, second.turn) {
-        (None, None) => {
-            let across = first.begins.perp(&second.begins);
-            let along = (second.from - first.from).perp(&second.begins) / across;
-            return along.is_finite().then(|| first.from + first.begins * along);
-        }
-        (None, Some(_)) => of_line_and_circle(first, second),
-        (Some(_), None) => of_line_and_circle(second, first),
-        (Some(_), Some(_)) => of_circles(first, second),
-    }?;
-    let [a, b] = found;
-    Some(if (a - corner).norm() <= (b - corner).norm() { a } else { b })
-}
-
-fn of_line_and_circle(line: &Contour, circle: &Contour) -> Option<[Vector2<f64>; 2]> {
-    let way = line.begins;
-    let foot = line.from + way * (circle.from - line.from).dot(&way);
-    let distance = (foot - circle.from).norm();
-    let half = half_chord(circle.radius_mm, distance)?;
-    Some([foot - way * half, foot + way * half])
-}
-
-fn of_circles(first: &Contour, second: &Contour) -> Option<[Vector2<f64>; 2]> {
-    let apart = second.from - first.from;
-    let distance = apart.norm();
-    if distance < LEAST_RADIUS_MM {
-        return None;
-    }
-    let way = apart / distance;
-    let (r, s) = (first.radius_mm, second.radius_mm);
-    let along = (distance + (r - s) * (r + s) / distance) / 2.0;
-    let half = half_chord(r, along.abs())?;
-    let foot = first.from + way * along;
-    let across = Vector2::new(-way.y, way.x) * half;
-    Some([foot - across, foot + across])
-}
-
-/// Half the chord of a circle at a distance from its centre. A chord that misses the circle by rounding has
-/// the length zero.
-fn half_chord(radius: f64, distance: f64) -> Option<f64> {
-    let square = (radius - distance) * (radius + distance);
-    (square >= -1e-12 * radius * radius).then(|| square.max(0.0).sqrt())
+    let places = first.offset().crossings(second.offset(), SAME_CHORD);
+    places.into_iter().min_by(|a, b| (a - corner).norm().total_cmp(&(b - corner).norm()))
 }

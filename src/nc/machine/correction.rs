@@ -29,7 +29,7 @@ impl Machine<'_> {
                     let number = match given {
                         Some(slot) if is_dynamic && self.control.is(Family::LinuxCnc) => {
                             let radius_mm = slot.value * self.unit_mm() / 2.0;
-                            Radius::Stated(radius_mm, slot)
+                            Radius::Stated(radius_mm)
                         }
                         Some(slot) => Radius::Numbered(slot),
                         None => Radius::OfTool,
@@ -95,10 +95,7 @@ impl Machine<'_> {
         let cutters = match self.setting.correction {
             Correction::Refused => return self.refuse(line.refusal(start, end, Fault::Compensation)),
             Correction::Wear => {
-                if !self.notes.iter().any(|note| matches!(note, Note::CompensationAsWear { .. })) {
-                    self.note(Note::CompensationAsWear { line: line.number });
-                }
-                return;
+                return self.note_first(Note::CompensationAsWear { line: line.number });
             }
             Correction::Computed(cutters) => cutters,
         };
@@ -107,7 +104,7 @@ impl Machine<'_> {
             own.or(cutters.iter().find(|cutter| cutter.number.is_none())).map(|cutter| cutter.radius_mm)
         };
         let radius_mm = match radius {
-            Radius::Stated(radius_mm, _) => Some(radius_mm),
+            Radius::Stated(radius_mm) => Some(radius_mm),
             Radius::Numbered(slot) if slot.value == 0.0 => Some(0.0),
             // The number of an offset is that of its tool, unless the tool is known.
             Radius::Numbered(slot) if self.control.is(Family::LinuxCnc) || self.tool().is_none() => {
@@ -175,10 +172,8 @@ impl Machine<'_> {
             Err(axis) => return self.refuse_state(line, Fault::UnknownStart(axis)),
         };
         self.compensation = Some(Compensation { side, radius_mm, plane: self.plane, tip, waiting: None });
-        if self.control.is(Family::Fanuc)
-            && !self.notes.iter().any(|note| matches!(note, Note::CompensationComputed { .. }))
-        {
-            self.note(Note::CompensationComputed { line: line.number, radius_mm });
+        if self.control.is(Family::Fanuc) {
+            self.note_first(Note::CompensationComputed { line: line.number, radius_mm });
         }
     }
 
@@ -245,5 +240,5 @@ pub enum Radius {
     /// The offset with this number.
     Numbered(WordValue),
     /// The program states the radius, mm.
-    Stated(f64, WordValue),
+    Stated(f64),
 }

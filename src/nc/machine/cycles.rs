@@ -55,11 +55,11 @@ impl Machine<'_> {
                 is_fresh: true,
             },
         });
-        if matches!(number, 73 | 83) && !self.notes.iter().any(|n| matches!(n, Note::PeckClearance { .. })) {
-            self.note(Note::PeckClearance { line: line.number, mm: self.control.peck_clearance_mm });
+        if matches!(number, 73 | 83) {
+            self.note_first(Note::PeckClearance { line: line.number, mm: self.control.peck_clearance_mm });
         }
-        if matches!(number, 74 | 84) && !self.notes.iter().any(|n| matches!(n, Note::Tapping { .. })) {
-            self.note(Note::Tapping { line: line.number });
+        if matches!(number, 74 | 84) {
+            self.note_first(Note::Tapping { line: line.number });
         }
     }
 

@@ -4,11 +4,11 @@
 //! A coordinate is mirrored first, then scaled, then turned. The centre of a turn is given in coordinates
 //! that are mirrored and scaled.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use toolpathd_core::geometry::plane::Plane;
 
 use super::{AXES, At, Block, Code, Fault, Line, Machine, Meaning, Note, OFFSETS, WithoutPoint, WordValue};
-use crate::placement::{Coordinate, Placement};
+use crate::placement::{Coordinate, Placement, sine_and_cosine};
 
 /// What stands between the coordinates of a program and those of its work offset.
 #[derive(Debug, Clone, Copy)]
@@ -276,9 +276,9 @@ impl Machine<'_> {
         }
         self.placing.polar = Some(polar);
         if radius.is_some() || angle.is_some() {
-            let way = Vector3::new(polar.degrees.to_radians().cos(), polar.degrees.to_radians().sin(), 0.0);
-            coordinates[a] = Some(Coordinate::Absolute(polar.pole[0] + polar.radius_mm * way.x));
-            coordinates[b] = Some(Coordinate::Absolute(polar.pole[1] + polar.radius_mm * way.y));
+            let (sin, cos) = sine_and_cosine(polar.degrees);
+            coordinates[a] = Some(Coordinate::Absolute(polar.pole[0] + polar.radius_mm * cos));
+            coordinates[b] = Some(Coordinate::Absolute(polar.pole[1] + polar.radius_mm * sin));
         }
         Some(self.placed(coordinates))
     }

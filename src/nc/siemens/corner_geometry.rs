@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector2;
 
+use crate::offset_curve::{OffsetCurve, left_of};
+
 /// Ways that are shorter are none, mm.
 const NO_WAY_MM: f64 = 1e-9;
 
@@ -29,10 +31,6 @@ pub struct CornerCut {
     pub second: Vector2<f64>,
     /// The centre of a rounding, and whether it runs counterclockwise.
     pub center: Option<(Vector2<f64>, bool)>,
-}
-
-fn left_of(direction: Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(-direction.y, direction.x)
 }
 
 impl Path {
@@ -80,55 +78,16 @@ impl Path {
     }
 
     /// The line or circle at `mm` to the left: a point with a direction, or a centre with a radius.
-    fn moved_left(&self, mm: f64) -> Option<Moved> {
+    fn moved_left(&self, mm: f64) -> Option<OffsetCurve> {
         match self.arc {
             None => {
                 let direction = self.direction_at(&self.start)?;
-                Some(Moved::Line(self.start + left_of(direction) * mm, direction))
+                Some(OffsetCurve::Line { at: self.start + left_of(direction) * mm, along: direction })
             }
             Some((center, is_left)) => {
                 let radius = (self.end - center).norm() + if is_left { -mm } else { mm };
-                (radius > NO_WAY_MM).then_some(Moved::Circle(center, radius))
+                (radius > NO_WAY_MM).then_some(OffsetCurve::Circle { center, radius_mm: radius })
             }
-        }
-    }
-}
-
-#[derive(Clone, Copy)]
-enum Moved {
-    Line(Vector2<f64>, Vector2<f64>),
-    Circle(Vector2<f64>, f64),
-}
-
-/// Where two lines or circles cross.
-fn crossings(a: Moved, b: Moved) -> Vec<Vector2<f64>> {
-    match (a, b) {
-        (Moved::Line(p, u), Moved::Line(q, v)) => {
-            let sine = u.perp(&v);
-            if sine.abs() <= NO_TURN { Vec::new() } else { vec![p + u * ((q - p).perp(&v) / sine)] }
-        }
-        (Moved::Line(p, u), Moved::Circle(center, radius))
-        | (Moved::Circle(center, radius), Moved::Line(p, u)) => {
-            let foot = p + u * (center - p).dot(&u);
-            let square = radius * radius - (foot - center).norm_squared();
-            if square < 0.0 {
-                return Vec::new();
-            }
-            vec![foot + u * square.sqrt(), foot - u * square.sqrt()]
-        }
-        (Moved::Circle(p, r), Moved::Circle(q, s)) => {
-            let way = q - p;
-            let apart = way.norm();
-            if apart <= NO_WAY_MM {
-                return Vec::new();
-            }
-            let along = (apart * apart + r * r - s * s) / (2.0 * apart);
-            let square = r * r - along * along;
-            if square < 0.0 {
-                return Vec::new();
-            }
-            let (middle, across) = (p + way / apart * along, left_of(way / apart) * square.sqrt());
-            vec![middle + across, middle - across]
         }
     }
 }
@@ -159,7 +118,7 @@ pub fn rounding(before: &Path, after: &Path, radius: f64) -> Result<Option<Corne
     let (a, b) = (before.moved_left(mm).ok_or(())?, after.moved_left(mm).ok_or(())?);
     let corner = before.end;
     let mut joints: Vec<(f64, CornerCut)> = Vec::new();
-    for center in crossings(a, b) {
+    for center in a.crossings(b, 0.0) {
         let (Some(first), Some(second)) = (before.foot(&center), after.foot(&center)) else { continue };
         // An arc of which nothing is left would be a full circle.
         let vanishes = before.arc.is_some() && (first - before.start).norm() <= LEAST_ARC_MM

@@ -134,10 +134,8 @@ impl<'a> Mill<'a, '_> {
         }
         let depth = heights.reference - heights.depth;
         let mm = if depth <= 30.0 { 0.6 } else { (depth / 50.0).min(7.0) };
-        if cycle.value(11) == 1.0
-            && !self.machine.notes.iter().any(|note| matches!(note, Note::PeckClearance { .. }))
-        {
-            self.machine.note(Note::PeckClearance { line: line.number, mm });
+        if cycle.value(11) == 1.0 {
+            self.machine.note_first(Note::PeckClearance { line: line.number, mm });
         }
         mm
     }
@@ -210,9 +208,7 @@ impl<'a> Mill<'a, '_> {
         let before = (machine.feed_mode, machine.feed, machine.speed, machine.is_turning);
         machine.feed_mode = FeedMode::PerMinute;
         (machine.feed, machine.speed, machine.is_turning) = (Some(pitch_mm * speed), Some(speed), true);
-        if !machine.notes.iter().any(|note| matches!(note, Note::Tapping { .. })) {
-            machine.note(Note::Tapping { line: line.number });
-        }
+        machine.note_first(Note::Tapping { line: line.number });
         moves(self);
         let machine = &mut self.machine;
         (machine.feed_mode, machine.feed, machine.speed, machine.is_turning) = before;

@@ -220,10 +220,9 @@ impl<'a, 'm> Mill<'a, 'm> {
         self.machine.exclude_compensation(line);
         self.machine.plane = plane;
         (self.pole, self.tangent, self.polar) = (None, None, [None; 2]);
-        let has_tool = self.machine.tool().is_some() || self.edge.is_some_and(|edge| edge > 0);
-        let is_told = self.machine.notes.iter().any(|note| matches!(note, Note::LengthAxisAssumed { .. }));
-        if plane != Plane::Xy && has_tool && !is_told {
-            self.machine.note(Note::LengthAxisAssumed { line: line.number });
+        let has_tool = self.machine.tool().is_some() || self.has_length();
+        if plane != Plane::Xy && has_tool {
+            self.machine.note_first(Note::LengthAxisAssumed { line: line.number });
         }
     }
 

@@ -8,7 +8,7 @@ use super::block::{Block, From, Given};
 use super::codes::{FrameWord, PoleFrom};
 use crate::block::Line;
 use crate::fault::Fault;
-use crate::placement::{Coordinate, Placement};
+use crate::placement::{Coordinate, Placement, sine_and_cosine};
 
 impl<'a> Mill<'a, '_> {
     /// A word without A takes the place of the whole frame; one with A adds to the frame in force.
@@ -159,14 +159,7 @@ impl<'a> Mill<'a, '_> {
             return None;
         };
         self.polar = [angle, radius];
-        // Quarter turns are exact.
-        let (sin, cos) = match degrees.rem_euclid(360.0) {
-            0.0 => (0.0, 1.0),
-            90.0 => (1.0, 0.0),
-            180.0 => (0.0, -1.0),
-            270.0 => (-1.0, 0.0),
-            angle => angle.to_radians().sin_cos(),
-        };
+        let (sin, cos) = sine_and_cosine(degrees);
         Some([Coordinate::Absolute(pole[0] + mm * cos), Coordinate::Absolute(pole[1] + mm * sin)])
     }
 }

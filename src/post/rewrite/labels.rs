@@ -57,10 +57,13 @@ impl Labels {
 
     /// Whether the program may jump to the block with this N word; an empty word is no label.
     pub fn hold(&self, word: &[u8]) -> bool {
-        match number(word) {
-            Some(number) => self.are_all || self.numbers.contains(&number),
-            None => !word.is_empty() && self.are_all,
-        }
+        // Few programs jump, and every block is asked.
+        if self.are_all { !word.is_empty() } else { !self.numbers.is_empty() && self.names(word) }
+    }
+
+    /// Whether a jump names the block with this N word.
+    fn names(&self, word: &[u8]) -> bool {
+        number(word).is_some_and(|number| self.numbers.contains(&number))
     }
 
     /// Remembers that blocks with these N words were replaced.
@@ -81,8 +84,9 @@ impl Labels {
 
 /// The number of an N word.
 fn number(word: &[u8]) -> Option<u64> {
-    let digits: Vec<u8> = word.iter().copied().filter(u8::is_ascii_digit).collect();
-    std::str::from_utf8(&digits).ok()?.parse().ok()
+    let mut digits = word.iter().filter(|c| c.is_ascii_digit()).map(|c| u64::from(c - b'0')).peekable();
+    digits.peek()?;
+    digits.try_fold(0u64, |number, digit| number.checked_mul(10)?.checked_add(digit))
 }
 
 /// The values of the words with these letters. False where one is no whole number.

@@ -1,5 +1,5 @@
-//! The four commands of the binary: start the service, check a running service, print the contract (the
-//! OpenAPI description of the service), or send a program to a control.
+//! The commands of the binary: start the service, check a running service, print the contract (the OpenAPI
+//! description of the service), send a program to a control, or check a receipt.
 
 use std::io::{IsTerminal, Read, Write};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, TcpStream};
@@ -7,7 +7,8 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use crate::config::{Cli, Command, Dnc, LogFormat, Sending, Settings};
+use crate::check::check;
+use crate::config::{Checking, Cli, Command, Dnc, LogFormat, Sending, Settings};
 use crate::dnc::{Estimate, Outcome, Progress, Stop, Target, estimate, send};
 use crate::http::{App, contract, router, serve};
 use clap::Parser;
@@ -28,6 +29,7 @@ pub fn run() -> ExitCode {
         Some(Command::Openapi) => print_contract(),
         Some(Command::Healthcheck) => check_health(&cli.settings),
         Some(Command::Dnc(Dnc::Send(sending))) => send_program(&sending),
+        Some(Command::Check(checking)) => check_receipt(&checking, &cli.settings),
         None | Some(Command::Serve) => serve_until_signal(&cli.settings),
     };
     match outcome {
@@ -41,6 +43,12 @@ pub fn run() -> ExitCode {
 
 fn print_contract() -> Result<(), Failure> {
     Ok(writeln!(std::io::stdout(), "{}", contract())?)
+}
+
+/// Checks a receipt, and tells what holds.
+fn check_receipt(checking: &Checking, settings: &Settings) -> Result<(), Failure> {
+    let text = check(checking, &settings.limits())?;
+    Ok(writeln!(std::io::stdout(), "{text}")?)
 }
 
 /// Asks a running service for `/livez`. An image without a shell and curl uses this as its health check.

@@ -1,5 +1,6 @@
 //! The settings of the program. Each setting can be given as a flag or as an environment variable.
 
+mod checking;
 mod limits;
 mod sending;
 
@@ -10,6 +11,8 @@ use axum::http::{HeaderValue, Uri};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::dnc::NamedTarget;
+use crate::receipt::SigningKey;
+pub use checking::Checking;
 pub use limits::Limits;
 pub use sending::Sending;
 
@@ -34,6 +37,9 @@ pub enum Command {
     /// Send NC programs to machine controls
     #[command(subcommand)]
     Dnc(Dnc),
+    /// Check a receipt of `/v1/programs/verify`: prove all that it states anew. The exit code is 0 where the
+    /// receipt holds and its verdict is `pass`
+    Check(Checking),
 }
 
 #[derive(Debug, Clone, Subcommand)]
@@ -195,6 +201,11 @@ pub struct Settings {
     /// flag
     #[arg(long, env = "TOOLPATHD_DNC_TARGET", value_delimiter = ';', global = true)]
     pub dnc_target: Vec<NamedTarget>,
+
+    /// File with the private key that signs receipts, in PEM, as `openssl genpkey -algorithm ed25519` writes
+    /// it; without it receipts are not signed
+    #[arg(long, env = "TOOLPATHD_RECEIPT_KEY", global = true)]
+    pub receipt_key: Option<SigningKey>,
 
     /// How log lines are written
     #[arg(long, env = "TOOLPATHD_LOG_FORMAT", value_enum, default_value = "text", global = true)]

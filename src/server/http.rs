@@ -34,10 +34,12 @@ use tower_http::cors::CorsLayer;
 
 use answer::{compression, encoded, timing};
 pub use app::App;
+pub use dto::verification::{DIGESTED, SCHEMA as RECEIPT_SCHEMA, members_of};
 pub use openapi::contract;
 use request::{request_id, retry, trace};
 use service::envelope::Directory;
 use service::{admission, answer_memory, docs, envelope, guard, observe, repeated_key};
+pub use v1::programs_verify::receipt_of;
 
 /// The version of the service. The same request to the same version gives the same bytes.
 pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");

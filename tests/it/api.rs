@@ -21,6 +21,7 @@ mod operation;
 mod points;
 mod programs;
 mod reading;
+mod receipts;
 mod several;
 mod shutdown;
 mod smoothing;

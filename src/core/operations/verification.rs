@@ -72,6 +72,8 @@ pub struct Job {
     /// The least distance of the tool from fixtures, and of shank and holder from all else, mm.
     pub clearance_mm: f64,
     pub rapids: Rapids,
+    /// Whether the report has the bound of every move, and not only of the worst.
+    pub lists_moves: bool,
 }
 
 /// A tool of the program.
@@ -142,6 +144,8 @@ pub struct Report {
     pub verdict: Verdict,
     /// How deep the cutter enters the part. `None` without a part.
     pub gouge: Option<Worst>,
+    /// The same of each move, in order, where the job asks for it. Empty without a part.
+    pub gouges_of_moves: Vec<Worst>,
     /// What stands above the part at the end. `None` where it has no bound.
     pub excess: Option<Worst>,
     /// Area of the floor of a pocket that is not cut down to the floor, mm². Places nearer to a wall than a
@@ -239,10 +243,11 @@ pub fn verify(job: &Job, budget: &Budget) -> Result<Report, Error> {
     let motions = motions(job);
     let mut findings = Findings::default();
     let part = job.part.as_ref().map(|part| PartProof::new(part, budget)).transpose()?;
-    let gouge = match &part {
+    let gouges = match &part {
         Some(part) => Some(gouges::deepest(part, job, &motions, &mut findings, budget)?),
         None => None,
     };
+    let (gouge, gouges_of_moves) = gouges.unzip();
     let mut holder_clearance = match &part {
         Some(part) => clearances::of_part(part, job, &motions, &mut findings, budget)?,
         None => None,
@@ -268,6 +273,7 @@ pub fn verify(job: &Job, budget: &Budget) -> Result<Report, Error> {
     Ok(Report {
         verdict: findings.verdict(),
         gouge,
+        gouges_of_moves: gouges_of_moves.unwrap_or_default(),
         excess,
         uncut_area_mm2,
         holder_clearance,
@@ -295,6 +301,7 @@ impl Job {
             control_tolerance_mm: 0.0,
             clearance_mm: 0.0,
             rapids: Rapids::Straight,
+            lists_moves: false,
         }
     }
 

@@ -19,6 +19,7 @@ use super::service::guard::Hosts;
 use super::service::health::Draining;
 use super::service::metrics::{Figures, Load, Metrics};
 use crate::config::Settings;
+use crate::receipt::SigningKey;
 
 /// Most bytes of the heads of all requests under way.
 const HEAD_MEMORY_BYTES: usize = 32 * 1024 * 1024;
@@ -39,6 +40,8 @@ pub struct App {
     pub(super) metrics: Arc<Metrics>,
     pub(super) connections: Connections,
     pub(super) draining: Draining,
+    /// Signs receipts.
+    pub(super) receipt_key: Option<SigningKey>,
 }
 
 impl App {
@@ -74,6 +77,7 @@ impl App {
             connections: Connections::new(settings, Arc::clone(&metrics)),
             metrics,
             draining: Draining::default(),
+            receipt_key: settings.receipt_key.clone(),
             compute,
         })
     }

@@ -21,17 +21,19 @@ const ROW: usize = 64;
 /// The deepest entry of one row of moves.
 struct Row {
     worst: Worst,
+    /// The entry of each move, where the job asks for it.
+    of_moves: Vec<Worst>,
     findings: Vec<Finding>,
 }
 
-/// The deepest entry of all moves into the part.
+/// The deepest entry of all moves into the part, and where the job asks for it the entry of each.
 pub(super) fn deepest(
     part: &PartProof,
     job: &Job,
     motions: &[Motion],
     findings: &mut Findings,
     budget: &Budget,
-) -> Result<Worst, Error> {
+) -> Result<(Worst, Vec<Worst>), Error> {
     let proofs: Vec<Box<dyn Depths + '_>> =
         job.tools.iter().map(|tool| part.depths(&tool.assembly.cutter, 0.0)).collect();
     let rows: Vec<&[Motion]> = motions.chunks(ROW).collect();
@@ -40,11 +42,13 @@ pub(super) fn deepest(
         row(rows[k], &proofs, job, budget)
     })?;
     let mut worst = NONE;
+    let mut of_moves = Vec::new();
     for row in done {
         worst = deeper(worst, row.worst);
+        of_moves.extend(row.of_moves);
         row.findings.into_iter().for_each(|finding| findings.add(finding));
     }
-    Ok(worst)
+    Ok((worst, of_moves))
 }
 
 const NONE: Worst = Worst { bound_mm: 0.0, found_mm: None, at: None, place: None };
@@ -64,11 +68,12 @@ fn row(
     // The deepest of the moves within the tolerance: shallower moves need no closer look.
     let mut within = Penetration::NONE;
     let mut worst = NONE;
+    let mut of_moves = Vec::new();
     let mut findings = Vec::new();
     for motion in motions {
         budget.check()?;
         let proof = &proofs[job.tool_of_pass[motion.place.pass]];
-        let mut own = within;
+        let mut own = if job.lists_moves { Penetration::NONE } else { within };
         for curve in motion.curves() {
             own = proof.penetration(curve, slack, GAP * tolerance, own, budget)?;
         }
@@ -89,6 +94,9 @@ fn row(
             place: Some(motion.place),
         };
         worst = deeper(worst, told);
+        if job.lists_moves {
+            of_moves.push(told);
+        }
         if own.bound_mm > tolerance {
             findings.push(Finding {
                 kind: if motion.is_rapid { Kind::RapidThroughPart } else { Kind::Gouge },
@@ -100,7 +108,7 @@ fn row(
             });
         }
     }
-    Ok(Row { worst, findings })
+    Ok(Row { worst, of_moves, findings })
 }
 
 /// The depth of one way of a move, so finely bounded that it lies on one side of the tolerance where that is

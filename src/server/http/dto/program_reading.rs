@@ -1,10 +1,11 @@
 //! The request to read an NC program, as JSON or as a query beside NC text, and the report.
 
+mod premises;
 mod query;
 mod report;
 mod trace;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
@@ -15,6 +16,7 @@ use crate::config::Limits;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
+pub use premises::ReadPremises;
 pub use query::ReadQuery;
 pub use report::ReadReport;
 use toolpathd_core::toolpath::program::Units;
@@ -76,7 +78,7 @@ pub struct ReadRequest {
 }
 
 /// The zero of a work offset.
-#[derive(Debug, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Deserialize, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WorkZero {
     /// The work offset: `G54` to `G59`, `G59.1` to `G59.3`, `G54.1 P1` to `G54.1 P300`.
@@ -87,7 +89,7 @@ pub struct WorkZero {
 }
 
 /// What a length without a decimal point means.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WithoutPoint {
     Increments,
@@ -95,7 +97,7 @@ pub enum WithoutPoint {
 }
 
 /// What G41 and G42 mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = ReadCompensation)]
 pub enum Compensation {

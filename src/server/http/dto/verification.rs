@@ -1,10 +1,11 @@
 //! The request to verify a program or a toolpath, its conversion to a job, and the report.
 
+mod receipt;
 mod report;
 mod solid;
 mod tool;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
@@ -21,6 +22,9 @@ use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
+pub use receipt::{
+    Asked, DIGESTED, Digests, Premises, Receipt, SCHEMA, VerifyMembers, VerifyQuery, members_of,
+};
 pub use report::{Lines, Told, VerifyReport};
 pub use solid::Solid;
 pub use tool::{NumberedTool, VerifiedTool};
@@ -151,7 +155,7 @@ pub struct Travel {
 
 /// How a control runs a rapid along several axes: along a straight line, or with all axes at the same speed
 /// until each has arrived. With `dog_leg` both ways are verified.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = RapidWays)]
 pub enum Rapids {
@@ -176,6 +180,8 @@ pub struct Verification {
     pub clearance_mm: f64,
     pub rapids: Option<core::Rapids>,
     pub meta: Option<Meta>,
+    /// `None` where no receipt is asked for.
+    pub receipt: Option<Asked>,
 }
 
 /// What is verified.
@@ -306,6 +312,7 @@ impl IntoJob for VerifyRequest {
                 Rapids::DogLeg => core::Rapids::DogLeg,
             }),
             meta,
+            receipt: None,
         })
     }
 }

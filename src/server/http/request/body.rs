@@ -32,6 +32,10 @@ const SHORT_BYTES: usize = 256 * 1024;
 /// grids of rows of one point.
 const BYTES_FOR_EACH: usize = 8;
 
+/// Bytes that the body as a tree of values takes at most besides, for each of its bytes, with the text that
+/// is written of the tree.
+const BYTES_OF_TREE: usize = 40;
+
 /// Most bytes that come out of one byte of gzip (RFC 1951: 258 bytes for two bits).
 const GZIP_EXPANSION: usize = 1032;
 
@@ -87,6 +91,7 @@ pub struct Decoded {
 /// The body of a job in JSON, not decoded yet.
 pub struct JobBody<T: IntoJob> {
     body: SentBody,
+    bytes_for_each: usize,
     make: Arc<Make<T>>,
 }
 
@@ -123,7 +128,7 @@ impl<T: IntoJob> JobBody<T> {
         room: &Arc<Room>,
         budget: &Budget,
     ) -> Result<SentJob<T::Job>, ApiError> {
-        let _share = room.take(self.body.most_bytes().saturating_mul(BYTES_FOR_EACH), budget)?;
+        let _share = room.take(self.body.most_bytes().saturating_mul(self.bytes_for_each), budget)?;
         (self.make)(&self.body.decoded()?.bytes, limits, budget)
     }
 
@@ -139,17 +144,32 @@ impl<T: IntoJob> JobBody<T> {
         let make = move |text: &[u8], limits: &_, _: &_| {
             Ok(SentJob { job: make(text, limits)?, remarks: Vec::new() })
         };
-        Ok(Self { body: SentBody::read(request, limits).await?, make: Arc::new(make) })
+        let body = SentBody::read(request, limits).await?;
+        Ok(Self { body, bytes_for_each: BYTES_FOR_EACH, make: Arc::new(make) })
     }
 
     /// The same body, whose job goes through `change`.
     pub fn then(self, change: impl Fn(T::Job) -> T::Job + Send + Sync + 'static) -> Self {
-        let Self { body, make } = self;
+        let Self { body, bytes_for_each, make } = self;
         let make = move |bytes: &[u8], limits: &_, budget: &_| {
             let SentJob { job, remarks } = make(bytes, limits, budget)?;
             Ok(SentJob { job: change(job), remarks })
         };
-        Self { body, make: Arc::new(make) }
+        Self { body, bytes_for_each, make: Arc::new(make) }
+    }
+
+    /// The same body, whose job goes through `change` together with the body. `change` may hold the body as
+    /// a tree of values.
+    pub fn with_body(
+        self,
+        change: impl Fn(T::Job, &[u8]) -> Result<T::Job, ApiError> + Send + Sync + 'static,
+    ) -> Self {
+        let Self { body, bytes_for_each, make } = self;
+        let make = move |bytes: &[u8], limits: &_, budget: &_| {
+            let SentJob { job, remarks } = make(bytes, limits, budget)?;
+            Ok(SentJob { job: change(job, bytes)?, remarks })
+        };
+        Self { body, bytes_for_each: bytes_for_each + BYTES_OF_TREE, make: Arc::new(make) }
     }
 }
 
@@ -178,6 +198,7 @@ where
         check_content_type(request.headers())?;
         Ok(Self {
             body: SentBody::read(request, BodyLimits::from_ref(state)).await?,
+            bytes_for_each: BYTES_FOR_EACH,
             make: Arc::new(decode::job::<T>),
         })
     }

@@ -1,16 +1,21 @@
 //! `POST /v1/programs/verify`: verifies a program or a toolpath against part, stock, fixtures and travel.
 
+use std::sync::Arc;
+
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::{Point2, Point3};
 
-use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
-use crate::http::decode::query::NoQuery;
+use crate::config::Limits;
+use crate::http::answer::{Cut, Outcome, Product, answer};
+use crate::http::app::App;
+use crate::http::decode::{SentJob, job};
 use crate::http::dto::answer::{Answer, PathMembers};
 use crate::http::dto::dialect;
 use crate::http::dto::setup::Setup;
 use crate::http::dto::verification::{
-    Lines, MOST_CELLS, NumberedTool, Path, Told, Verification, VerifyReport, VerifyRequest,
+    Asked, Digests, Lines, MOST_CELLS, NumberedTool, Path, Premises, Receipt, Told, Verification,
+    VerifyMembers, VerifyQuery, VerifyReport, VerifyRequest,
 };
 use crate::http::error::ApiError;
 use crate::http::messages::{Warning, not_read, tool_not_told, words_left_alone_in};
@@ -39,7 +44,7 @@ const MOST_EDGES: usize = 12;
 const CHORDS: usize = 24;
 
 /// The answer in JSON.
-type VerifyAnswer = Answer<VerifyReport>;
+type VerifyAnswer = Answer<VerifyReport, VerifyMembers>;
 
 /// The forms of the answer, and its query.
 pub enum Verdicts {}
@@ -48,7 +53,7 @@ impl Offers for Verdicts {
     const OFFERS: &'static [Representation] = Models::OFFERS;
     const PARAMETERS: &'static [&'static str] = &["format", "toolpath"];
     const HAS_TOOLPATH: bool = true;
-    type Query = NoQuery;
+    type Query = VerifyQuery;
 }
 
 /// Verify a program or a toolpath.
@@ -56,35 +61,57 @@ impl Offers for Verdicts {
 /// The answer bounds, over the whole of every move, how deep the cutter enters the part, how deep rapids
 /// enter the stock, how near the tool comes to fixtures, and how near shank and holder come to anything; and
 /// tells what is cut in the air and what is left. The verdict is `pass`, `fail` or `undecided`. Each finding
-/// has its move, its line of the program and its place.
+/// has its move, its line of the program and its place. With `?receipt=true` the answer holds a receipt, which
+/// `toolpathd check` and small programs of others can check.
 #[utoipa::path(post, path = "/v1/programs/verify", operation_id = "verifyProgram", tag = "programs",
-    params(Wanted<Verdicts>), request_body = VerifyRequest,
+    params(Wanted<Verdicts>, VerifyQuery), request_body = VerifyRequest,
     responses((status = 200, description = "The verdict with its figures, or a picture.", body = VerifyAnswer)))]
 pub async fn verify_program(
-    State(computing): State<Computing>,
+    State(app): State<Arc<App>>,
     wanted: Wanted<Verdicts>,
-    body: JobBody<VerifyRequest>,
+    mut body: JobBody<VerifyRequest>,
 ) -> Result<Response, ApiError> {
-    answer(computing, wanted, body, verified).await
+    if wanted.query.receipt {
+        let key = app.receipt_key.clone();
+        body = body.with_body(move |job, text| {
+            let asked = Asked { digests: Digests::of(text)?, key: key.clone() };
+            Ok(Verification { receipt: Some(asked), ..job })
+        });
+    }
+    answer(app.computing.clone(), wanted, body, verified).await
+}
+
+/// The receipt that an answer to `body` would have, without a signature.
+///
+/// # Errors
+/// As the endpoint.
+pub fn receipt_of(body: &[u8], limits: &Limits, budget: &Budget) -> Result<Option<Receipt>, ApiError> {
+    let SentJob { job, .. } = job::<VerifyRequest>(body, limits, budget)?;
+    let asked = Asked { digests: Digests::of(body)?, key: None };
+    Ok(verified(Verification { receipt: Some(asked), ..job }, budget)?.product.receipt)
 }
 
 /// The toolpath that was verified.
-struct Verified(Cut);
+struct Verified {
+    cut: Cut,
+    receipt: Option<Receipt>,
+}
 
 impl Product for Verified {
-    type Members = PathMembers;
+    type Members = VerifyMembers;
 
     const TITLE: &'static str = "Verified program";
 
     fn cut(&self) -> Option<&Cut> {
-        Some(&self.0)
+        Some(&self.cut)
     }
 
-    fn members(self, _: Option<String>, form: &Form) -> PathMembers {
-        let toolpath = self.0.toolpath;
+    fn members(self, _: Option<String>, form: &Form) -> VerifyMembers {
+        let Self { cut: Cut { toolpath, .. }, receipt } = self;
         let measures = Some(measure_on(&toolpath, None));
         let with_toolpath = form.with_toolpath.unwrap_or(false);
-        PathMembers { measures, nc: None, toolpath: with_toolpath.then(|| toolpath.into()) }
+        let path = PathMembers { measures, nc: None, toolpath: with_toolpath.then(|| toolpath.into()) };
+        VerifyMembers { path, receipt }
     }
 }
 
@@ -99,6 +126,7 @@ struct Tooled {
 }
 
 fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, Verified>, ApiError> {
+    let premises = Premises::of(&job)?;
     let Verification {
         path,
         tools,
@@ -113,9 +141,13 @@ fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, 
         clearance_mm,
         rapids,
         meta,
+        receipt,
     } = job;
     let Tooled { toolpath, tool_of_pass, rapids: usual, moved_mm, program } =
         tooled(path, &tools, is_list, budget)?;
+    if receipt.is_some() {
+        Receipt::check_moves(toolpath.moves().count(), program.is_some())?;
+    }
     let told = Told {
         holders: tools.iter().all(|tool| tool.has_holder),
         flutes: tools.iter().all(|tool| tool.tool.flute_length_mm.is_some()),
@@ -134,6 +166,7 @@ fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, 
         control_tolerance_mm: control_tolerance_mm + moved_mm,
         clearance_mm,
         rapids: rapids.unwrap_or(usual),
+        lists_moves: receipt.is_some(),
     };
     let found = verify(&job, budget)?;
     let lines = program.as_ref().map(|program| Lines {
@@ -141,6 +174,9 @@ fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, 
         n_rapids_not_counted: program.n_rapids_not_counted,
     });
     let report = VerifyReport::new(&found, &job, &told, lines.as_ref());
+    let premises = premises.read(moved_mm, job.rapids);
+    let receipt =
+        receipt.map(|asked| Receipt::new(asked, premises, &report, &found, lines.as_ref())).transpose()?;
     let notes = program.iter().flat_map(|program| program.notes.iter().map(Warning::from));
     let left = program.iter().flat_map(|program| words_left_alone_in(&program.left_alone));
     let warnings = notes.chain(left).collect();
@@ -154,7 +190,7 @@ fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, 
         findings: findings.clone(),
         ..Drawing::default()
     });
-    Ok(Outcome { meta, warnings, report, product: Verified(cut), drawing })
+    Ok(Outcome { meta, warnings, report, product: Verified { cut, receipt }, drawing })
 }
 
 /// The outlines of part, stock and fixtures at their tops and bottoms.

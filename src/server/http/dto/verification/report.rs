@@ -67,9 +67,9 @@ pub struct VerifyReport {
     /// What is wrong or may be, the certain findings first; at most 1,000.
     findings: Vec<FindingReport>,
     /// How many findings there are of each kind, those that `findings` leaves out included.
-    counts: Vec<FindingCount>,
+    pub(super) counts: Vec<FindingCount>,
     /// What was not verified, because neither the request nor the program tells of it.
-    not_checked: Vec<NotChecked>,
+    pub(super) not_checked: Vec<NotChecked>,
     /// Number of moves that were verified.
     n_moves: usize,
     /// Number of rapids of the program from or to a place that is not known. They are not verified.
@@ -156,7 +156,7 @@ struct FindingReport {
 
 /// How many findings there are of one kind.
 #[derive(Debug, Clone, Serialize, ToSchema)]
-struct FindingCount {
+pub(super) struct FindingCount {
     /// What the findings are about.
     kind: Kind,
     /// Whether they hold for every path that the control may run.
@@ -177,7 +177,7 @@ struct VolumeReport {
 /// What was not verified, or not on all moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-enum NotChecked {
+pub(super) enum NotChecked {
     /// Without `surface` and `region`.
     Part,
     /// Without `stock`.

@@ -108,6 +108,12 @@ pub enum Fault {
     SetInBlock,
     #[error("Z of the cycle lies above its R")]
     CycleUpward,
+    #[error("a work offset that is turned and a shift by G52, G92 or G10 L20 are not read together")]
+    ShiftInTurn,
+    #[error("the program tilts the plane, or has tilted it: this version reads upright tools alone")]
+    Tilted,
+    #[error("nothing has been saved at this level by M70 or M73")]
+    NothingSaved,
     #[error("the work offset is not known")]
     UnknownOffset,
     #[error("the value is only known at the machine")]

@@ -42,7 +42,9 @@ impl<'a> Execution<'a, '_> {
                 if self.calls.is_empty() {
                     return self.stop(line.refused(Fault::OpenLoop));
                 }
-                self.go_back(line, index, None);
+                if self.give_back(line, at) {
+                    self.go_back(line, index, None);
+                }
             }
             Keyword::Call => self.call_sub(line, index, &label, at),
             Keyword::Do => self.loops.push(Loop { label, start: index, kind: LoopKind::Do }),
@@ -94,6 +96,26 @@ impl<'a> Execution<'a, '_> {
         if start.is_some() && !self.has_ended {
             self.next += 1;
         }
+    }
+
+    /// The value in brackets behind the end of a subroutine goes to the caller. False where it has none,
+    /// which is refused.
+    fn give_back(&mut self, line: Line<'a>, at: usize) -> bool {
+        let start = crate::source::blanks(line.text, at);
+        let has_value = line.text.get(start) == Some(&b'[');
+        let mut value = 0.0;
+        if has_value {
+            match self.value(line, start) {
+                Ok((found, _)) => value = found.unwrap_or(0.0),
+                Err(fault) => {
+                    self.stop(line.refusal(start, line.text.len(), fault));
+                    return false;
+                }
+            }
+        }
+        self.variables.set_named("_value", value);
+        self.variables.set_named("_value_returned", f64::from(u8::from(has_value)));
+        true
     }
 
     fn meet_while(&mut self, line: Line<'a>, index: usize, label: String, at: usize) {

@@ -55,6 +55,8 @@ impl Machine<'_> {
                 | Meaning::Cycle(_)
                 | Meaning::Turn
                 | Meaning::TurnEnd
+                | Meaning::Tilt
+                | Meaning::AlongPlane
                 | Meaning::Scale
                 | Meaning::ScaleEnd
                 | Meaning::Mirror(_)

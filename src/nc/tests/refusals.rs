@@ -56,7 +56,8 @@ fn what_a_control_refuses_is_refused() {
     assert_eq!([0.003, 0.013, 0.02].map(|off| mismatch("linuxcnc", off)), [true, true, false]);
     assert_eq!([0.009, 0.02].map(|off| mismatch("fanuc", off)), [true, false]);
     assert_eq!(faults("linuxcnc", "G21 G0 X1 Y1 Z1\n")[0].2, Fault::NoEnd);
-    assert_eq!(faults("fanuc", "G21\nG68.2 X0. Y0. I30.\nM30\n")[0].2, Fault::NotRead);
+    assert_eq!(faults("fanuc", "G21\nG68.2 X0. Y0. I30.\nM30\n")[0].2, Fault::Tilted);
+    assert_eq!(faults("fanuc", "G21\nG53.1\nM30\n")[0].2, Fault::Tilted);
     for word in ["M6 T1", "G43 H1", "G81 Z-1 R1", "G3 I-4.5 F100"] {
         assert!(!faults("grbl", &framed(word)).is_empty(), "{word}");
     }

@@ -97,7 +97,7 @@ pub enum Fault {
     #[error("this version reads arcs in planes of two axes only")]
     TiltedArc,
     #[error(
-        "a way right after a change of the zero depends on a setting of the control: write an absolute place"
+        "where an incremental way leads after a turn or a scaling depends on the control: write an absolute place"
     )]
     IncrementOfNewZero,
     #[error("the parameter {0} of the cycle is missing, contradicts another, or is not read")]
@@ -126,6 +126,10 @@ pub enum Fault {
     TooDeep,
     #[error("a number without a point is ambiguous here: write a point")]
     NoPoint,
+    #[error(
+        "whether the modal program (MCALL) runs behind the moves of a program that is called is not certain"
+    )]
+    ModalInCall,
     #[error("the program raises an alarm of its own")]
     Alarm,
     #[error("the program to call is not in the text")]

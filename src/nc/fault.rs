@@ -44,6 +44,10 @@ pub enum Fault {
     NoMotion,
     #[error("the block cuts, but no feed is in force")]
     NoFeed,
+    #[error(
+        "behind a cycle the manuals do not say whether the feed of the cycle or the feed before it is in force: write F"
+    )]
+    FeedBehindCycle,
     #[error("a feed per turn needs a spindle speed")]
     NoSpindleSpeed,
     #[error("under G93 every block that cuts needs an F")]

@@ -8,7 +8,7 @@
 //!    make an element of the path of it, and `path` follows the elements. `corners` rounds or chamfers where
 //!    two of them meet.
 //! 4. `datum` places coordinates by cycles 7, 8, 10, 11, 26 and 247. `definitions` reads cycles for holes,
-//!    `drilling` and `patterns` run them.
+//!    `drilling` holds what they say, `holes` and `patterns` run them.
 //!
 //! # Guarantees
 //! * DR+ turns as G3 in all three planes. An arc whose end is its start is a full circle.
@@ -29,6 +29,7 @@ mod drilling;
 mod flow;
 mod formula;
 mod functions;
+mod holes;
 mod jumps;
 mod moves;
 mod parameters;
@@ -75,6 +76,8 @@ pub struct Execution<'a, 'm> {
     pub side: Option<Side>,
     /// The feed of the tool call, mm/min.
     pub auto_feed: Option<f64>,
+    /// A cycle has run since the last F: which feed is in force is not certain.
+    pub has_cycle_feed: bool,
     /// F counts mm per turn, by M136.
     pub is_per_turn: bool,
     pub transforms: Vec<Transform>,

@@ -47,6 +47,7 @@ impl<'a, 'm> Execution<'a, 'm> {
             pole: None,
             side: None,
             auto_feed: None,
+            has_cycle_feed: false,
             is_per_turn: false,
             transforms: Vec::new(),
             shift: None,

@@ -14,9 +14,8 @@ use crate::fault::Fault;
 const MAX_DWELL_S: f64 = 86_400.0;
 
 /// Blocks that cannot move the tool, by their first words.
-const LEFT_ALONE: [&str; 10] = [
+const LEFT_ALONE: [&str; 9] = [
     "BLK FORM",
-    "TOOL DEF",
     "FUNCTION MODE MILL",
     "FUNCTION PROG PATH IS CONTOUR",
     "FUNCTION PROG PATH OFF",
@@ -51,14 +50,15 @@ impl<'a> Execution<'a, '_> {
             b"BEGIN" if cursor.phrase("BEGIN PGM") => self.begin_program(block, &mut cursor),
             b"END" if cursor.phrase("END PGM") => self.end_program(),
             b"TOOL" if cursor.phrase("TOOL CALL") => self.call_tool(block, &mut cursor),
+            b"TOOL" if cursor.phrase("TOOL DEF") => self.define_tool(block, &mut cursor),
             b"CYCL" if cursor.phrase("CYCL DEF") => self.define_cycle(block, &mut cursor),
             b"CYCL" if cursor.phrase("CYCL CALL") => self.call_cycles(block, &mut cursor),
             b"PATTERN" if cursor.phrase("PATTERN DEF") => self.define_pattern(block, &mut cursor),
             b"TRANS" if cursor.phrase("TRANS DATUM AXIS") => self.shift_datum(block, &mut cursor),
             b"TRANS" if cursor.phrase("TRANS DATUM RESET") => self.reset_shift(block, &mut cursor),
             b"FUNCTION" if cursor.phrase("FUNCTION DWELL TIME") => self.dwell_words(block, &mut cursor),
-            b"PLANE" if cursor.phrase("PLANE RESET") => self.reset_plane(block, &mut cursor),
-            b"PLANE" if self.is_plane_level(&mut cursor) => self.reset_plane(block, &mut cursor),
+            b"PLANE" if cursor.phrase("PLANE RESET") => self.reset_plane(block, &mut cursor, false),
+            b"PLANE" if self.is_plane_level(&mut cursor) => self.reset_plane(block, &mut cursor, true),
             b"STOP" | b"M" => {
                 let at = if keyword == b"STOP" { after.at } else { cursor.at };
                 self.functions_alone(block, Cursor { at, ..cursor });
@@ -142,7 +142,8 @@ impl<'a> Execution<'a, '_> {
     }
 
     /// `PLANE RESET`: the plane of the program is not tilted. Where rotary axes turn, the place is lost.
-    fn reset_plane(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
+    fn reset_plane(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>, states_angles: bool) {
+        self.parameters.is_level = states_angles;
         let rest = &cursor.text[cursor.at..];
         let has = |word: &[u8]| rest.windows(word.len()).any(|part| part == word);
         if has(b"MOVE") || has(b"TURN") {
@@ -166,7 +167,7 @@ impl<'a> Execution<'a, '_> {
 
     fn leave_or_refuse(&mut self, block: &Block<'a>, mut cursor: Cursor<'_>, keyword: &[u8]) {
         if let Some(words) = LEFT_ALONE.into_iter().find(|words| cursor.phrase(words)) {
-            let is_open = matches!(words, "BLK FORM" | "TOOL DEF") || words.contains("DWELL");
+            let is_open = words == "BLK FORM" || words.contains("DWELL");
             if !is_open && !words.contains("PULSE") && !words.contains("COUNT") {
                 self.expect_end(block, &mut cursor);
             }

@@ -45,6 +45,13 @@ pub struct Words {
     pub is_broken: bool,
 }
 
+impl Words {
+    /// Whether a word states a place.
+    pub fn moves(&self) -> bool {
+        self.axes != [None; 3] || self.polar_radius.is_some() || self.polar_angle.is_some()
+    }
+}
+
 /// The feed that a block states.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Feed {

@@ -7,7 +7,7 @@ use toolpathd_core::toolpath::path::PathError;
 use toolpathd_core::toolpath::units::FeedRate;
 
 use super::compensation::{Between, Compensation, Corners, Drive, Failure, MAX_BETWEEN, SAME_PLACE_MM, Step};
-use super::{Block, Code, Correction, Family, Fault, Line, Machine, Meaning, Note, Side, WordValue};
+use super::{Block, Code, Correction, Cutter, Family, Fault, Line, Machine, Meaning, Note, Side, WordValue};
 use crate::fault::Refusal;
 
 /// Largest radius, mm.
@@ -79,6 +79,14 @@ impl Machine<'_> {
         matches!(self.setting.correction, Correction::Computed(_))
     }
 
+    /// The radius that the caller gives for a tool, if the path of the centre is computed.
+    pub(crate) fn given_radius(&self, number: Option<u32>) -> Option<Option<f64>> {
+        match self.setting.correction {
+            Correction::Computed(cutters) => Some(radius_among(cutters, number)),
+            _ => None,
+        }
+    }
+
     /// Refuses what the control does not run under compensation, such as a cycle, and ends the compensation.
     pub(crate) fn exclude_compensation(&mut self, line: Line<'_>) {
         if self.compensation.take().is_some() {
@@ -101,10 +109,7 @@ impl Machine<'_> {
             }
             Correction::Computed(cutters) => cutters,
         };
-        let of = |number: Option<u32>| {
-            let own = cutters.iter().find(|cutter| cutter.number.is_some() && cutter.number == number);
-            own.or(cutters.iter().find(|cutter| cutter.number.is_none())).map(|cutter| cutter.radius_mm)
-        };
+        let of = |number: Option<u32>| radius_among(cutters, number);
         let radius_mm = match radius {
             Radius::Stated(radius_mm) => Some(radius_mm),
             Radius::Numbered(slot) if slot.value == 0.0 => Some(0.0),
@@ -232,6 +237,12 @@ impl Machine<'_> {
     fn refuse_failure(&mut self, (line, fault): Failure) {
         self.refuse(Refusal { line, column: 1, word: String::new(), fault });
     }
+}
+
+/// The radius of a tool: its own, else the one of all tools.
+fn radius_among(cutters: &[Cutter], number: Option<u32>) -> Option<f64> {
+    let own = cutters.iter().find(|cutter| cutter.number.is_some() && cutter.number == number);
+    own.or(cutters.iter().find(|cutter| cutter.number.is_none())).map(|cutter| cutter.radius_mm)
 }
 
 /// Where the radius of a compensation comes from.

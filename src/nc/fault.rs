@@ -118,6 +118,10 @@ pub enum Fault {
     Tilted,
     #[error("nothing has been saved at this level by M70 or M73")]
     NothingSaved,
+    #[error(
+        "controls differ in how APPR and DEP move along the tool axis: write the height in a block of its own"
+    )]
+    HeightInLead,
     #[error("the work offset is not known")]
     UnknownOffset,
     #[error("the value is only known at the machine")]

@@ -6,7 +6,7 @@
 //!    `formula` hold what the program computes.
 //! 3. `words` reads the words of a block that moves, `functions` its M words. `moves`, `circles` and `polar`
 //!    make an element of the path of it, and `path` follows the elements. `corners` rounds or chamfers where
-//!    two of them meet.
+//!    two of them meet, `approach` leads to a contour and from it.
 //! 4. `datum` places coordinates by cycles 7, 8, 10, 11, 26 and 247. `definitions` reads cycles for holes,
 //!    `drilling` holds what they say, `holes` and `patterns` run them.
 //!
@@ -20,6 +20,7 @@
 //! HEIDENHAIN user's manuals: TNC 407 pp. 118-119, 137; TNC 426/430 p. 154; iTNC 530 (340 49x-04) and its
 //! *Cycle Programming*; TNC 320 (340 55x-03) p. 155; TNC 640 (34059x-05).
 
+mod approach;
 mod circles;
 mod corners;
 mod cursor;

@@ -83,6 +83,7 @@ impl<'a, 'm> Execution<'a, 'm> {
                 self.machine.trace(block.line().number);
             }
         }
+        self.drop_approach();
         self.settle();
         Ok(Ran { n_lines: self.script.n_lines(), n_blocks: self.n_blocks })
     }

@@ -74,6 +74,10 @@ impl<'a> Execution<'a, '_> {
                 // A block without compensation has to stand between the two.
                 self.refuse(block, [start, end], Fault::Conflict);
             }
+            if self.path.approach.is_some() {
+                self.refuse(block, [start, end], Fault::Conflict);
+                self.path = Path::default();
+            }
             if self.path.corner.is_some() && self.machine.computes_compensation() {
                 self.refuse(block, [start, end], Fault::CornerBetweenSides);
                 self.path = Path::default();

@@ -27,10 +27,9 @@ const LEFT_ALONE: [&str; 9] = [
 ];
 
 /// Blocks that move the tool, or change where or how it moves, and are not read.
-const MOVING: [&str; 24] = [
-    "LN", "SPL", "FL", "FLT", "FC", "FCT", "FPOL", "FLP", "FSELECT", "APPR", "DEP", "FUNCTION", "PLANE",
-    "SEL", "CONTOUR", "TCH", "TRANS", "PRESET", "TABDATA", "DECLARE", "SECTION", "CORRDATA", "POLARKIN",
-    "PATTERN",
+const MOVING: [&str; 22] = [
+    "LN", "SPL", "FL", "FLT", "FC", "FCT", "FPOL", "FLP", "FSELECT", "FUNCTION", "PLANE", "SEL", "CONTOUR",
+    "TCH", "TRANS", "PRESET", "TABDATA", "DECLARE", "SECTION", "CORRDATA", "POLARKIN", "PATTERN",
 ];
 
 impl<'a> Execution<'a, '_> {
@@ -45,6 +44,7 @@ impl<'a> Execution<'a, '_> {
         if self.runs_in_path(block, cursor, after, keyword) {
             return;
         }
+        self.drop_approach();
         self.settle();
         match keyword {
             b"BEGIN" if cursor.phrase("BEGIN PGM") => self.begin_program(block, &mut cursor),
@@ -79,6 +79,8 @@ impl<'a> Execution<'a, '_> {
             b"L" | b"LP" => self.straight(block, &mut after, keyword == b"LP"),
             b"X" | b"Y" | b"Z" | b"IX" | b"IY" | b"IZ" => self.straight(block, &mut cursor, false),
             b"C" | b"CR" | b"CT" | b"CP" | b"CTP" => self.circle(block, &mut after, keyword),
+            b"APPR" => self.approach(block, &mut after),
+            b"DEP" => self.depart(block, &mut after),
             b"CC" => self.set_pole(block, &mut after),
             b"RND" | b"RNDR" => {
                 after.at = cursor.at + 3;

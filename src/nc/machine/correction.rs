@@ -162,8 +162,44 @@ impl Machine<'_> {
         self.compensation.as_ref().is_some_and(|own| own.side == side && own.radius_mm == radius_mm)
     }
 
+    /// The radius of the tool in the spindle, by which an approach keeps off its contour. `None` has been
+    /// refused. A path of the centre has no radius.
+    pub(crate) fn approach_radius(&mut self, line: Line<'_>, [start, end]: [usize; 2]) -> Option<f64> {
+        let fault = match self.setting.correction {
+            Correction::Refused => Fault::Compensation,
+            Correction::Wear => {
+                self.note_first(Note::CompensationAsWear { line: line.number });
+                return Some(0.0);
+            }
+            Correction::Computed(cutters) => {
+                let own = radius_among(cutters, self.tool());
+                match own.filter(|radius| (0.0..=MAX_RADIUS_MM).contains(radius)) {
+                    Some(radius_mm) => return Some(radius_mm),
+                    None => Fault::UnknownRadius,
+                }
+            }
+        };
+        self.refuse(line.refusal(start, end, fault));
+        None
+    }
+
+    /// Compensation begins where the tool stands already beside the start of the next block.
+    pub(crate) fn compensate_from_here(&mut self, line: Line<'_>, side: Side, radius_mm: f64) {
+        self.start_compensation(line, side, radius_mm);
+        if let Some(compensation) = &mut self.compensation {
+            compensation.is_beside = true;
+        }
+    }
+
+    /// The place of the tool becomes the one beside the contour, where compensation has ended.
+    pub(crate) fn stand_beside(&mut self) {
+        if let Some(shift) = self.displaced.take() {
+            self.at = [0, 1, 2].map(|k| self.at[k].map(|at| at + shift[k]));
+        }
+    }
+
     /// The side where the contour lies: a mirror exchanges the sides.
-    fn side_placed(&self, side: Side) -> Side {
+    pub(crate) fn side_placed(&self, side: Side) -> Side {
         match self.placement.in_plane(self.plane) {
             Some((_, true)) => side.other(),
             _ => side,
@@ -178,7 +214,8 @@ impl Machine<'_> {
             Ok(place) => place + self.displaced.take().unwrap_or_default(),
             Err(axis) => return self.refuse_state(line, Fault::UnknownStart(axis)),
         };
-        self.compensation = Some(Compensation { side, radius_mm, plane: self.plane, tip, waiting: None });
+        self.compensation =
+            Some(Compensation { side, radius_mm, plane: self.plane, tip, waiting: None, is_beside: false });
         if self.control.is(Family::Fanuc) {
             self.note_first(Note::CompensationComputed { line: line.number, radius_mm });
         }

@@ -46,7 +46,8 @@ use toolpathd_core::budget::{Budget, Stopped};
 
 use super::Ran;
 use super::block::Line;
-use super::machine::{Machine, Side};
+use super::codes::FeedMode;
+use super::machine::{At, Machine, Side};
 use datum::Transform;
 use drilling::Cycle;
 use parameters::Parameters;
@@ -90,6 +91,32 @@ pub struct Execution<'a, 'm> {
     /// The words of a cycle of the older form that is under way, in the order of their blocks.
     pub parts: Vec<(u32, f64)>,
     pub points: Vec<Point>,
+}
+
+/// The way to a contour or from it. Lengths are in mm of the program.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Form {
+    Along(f64),
+    Across(f64),
+    /// A radius with its sign, and the centre angle in degrees.
+    Arc(f64, f64),
+    ArcAndLine(f64),
+}
+
+/// A feed with its mode; `None` for one that is not known.
+type Rate = (FeedMode, Option<f64>);
+
+/// An approach that waits for the first element of the contour.
+#[derive(Debug, Clone, Copy)]
+pub struct Approach<'a> {
+    line: Line<'a>,
+    form: Form,
+    from: At,
+    side: Option<Side>,
+    radius_mm: f64,
+    /// The feed to the auxiliary point; `None` for a rapid.
+    first: Option<Rate>,
+    second: Rate,
 }
 
 /// A call under way.

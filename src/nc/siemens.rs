@@ -260,7 +260,9 @@ impl<'a> Execution<'a, '_> {
         let block = words::scan(line, front.end, &mut self.variables, &mut self.mill.machine.left);
         let next = self.mill.run(line, &block);
         self.mill.trace(line.number);
-        if next == Next::End {
+        if next == Next::End && self.mill.moves && self.modal_program.is_some() {
+            self.stop(line.refused(Fault::NotRead));
+        } else if next == Next::End {
             self.end_program();
         } else if self.mill.moves {
             self.run_modal_program(line);

@@ -1,8 +1,8 @@
 //! M70 to M73 of LinuxCNC: a program saves its modal state, and restores it.
 //!
 //! # Method
-//! Each level of calls has a state of its own. M70 saves, M71 forgets, M72 restores. M73 saves, and the end of
-//! the subprogram restores.
+//! Each level of calls has a state of its own. M70 saves, M71 forgets, M72 restores. M73 saves, and the end
+//! of the subprogram restores.
 
 use super::{Block, Execution, Family, Fault, Line};
 

@@ -1,34 +1,33 @@
 //! APPR and DEP: how the tool comes to a contour and leaves it, by LT, LN, CT and LCT.
 //!
 //! # Method
-//! 1. All lengths and radii are those of the path of the tool's centre. The place beside the first or the last
-//!    point of the contour lies across the contour at the radius of the cutter; with R0 it is the point itself.
+//! 1. All lengths and radii are those of the path of the tool's centre. The place beside the first or the
+//!    last point of the contour lies across the contour at the radius of the cutter; with R0 it is the point.
 //! 2. APPR waits for the next element, whose direction it needs. The tool goes from its start to an auxiliary
-//!    point, and from there to the contour: straight along it (LT), straight across it (LN), or by an arc that
-//!    touches it (CT). The arc of LCT touches the way to the auxiliary point, too.
+//!    point, and from there to the contour: straight along it (LT), straight across it (LN), or by an arc
+//!    that touches it (CT). The arc of LCT touches the way to the auxiliary point, too.
 //! 3. To the auxiliary point the tool goes at the feed, or by the rapid, of the block before; LCT goes there
 //!    at its own feed.
 //! 4. DEP is the same way round, and ends the compensation.
 //!
 //! # Guarantees
-//! Controls differ in how such a block moves along the tool axis, so that another height is refused. Without RL
-//! or RR the side of LN, CT and LCT is not certain: newer controls stop there.
+//! Controls differ in how such a block moves along the tool axis, so that another height is refused. Without
+//! RL or RR the side of LN, CT and LCT is not certain: newer controls stop there.
 //!
 //! # Reference
-//! HEIDENHAIN user's manuals: TNC 410 pp. 71-72; iTNC 530 (340 49x-03) p. 230; TNC 620 (01/2022) p. 147; TNC 640
-//! (34059x-02) p. 199; TNC7 (81762x-16), *Approach functions*.
+//! HEIDENHAIN user's manuals: TNC 410 pp. 71-72; iTNC 530 (340 49x-03) p. 230; TNC 620 (01/2022) p. 147;
+//! TNC 640 (34059x-02) p. 199; TNC7 (81762x-16), *Approach functions*.
 
 use nalgebra::{Rotation2, Vector2};
 use toolpathd_core::geometry::curve::Direction;
 
-use super::Execution;
 use super::cursor::Cursor;
 use super::functions::Functions;
 use super::path::{NO_WAY_MM, PathElement, in_plane};
 use super::script::Block;
 use super::words::{Feed, Sort, Words};
+use super::{Approach, Execution, Form, Rate};
 use crate::block::Line;
-use crate::codes::FeedMode;
 use crate::fault::Fault;
 use crate::machine::{At, Side};
 use crate::offset_curve::left_of;
@@ -39,34 +38,8 @@ const MAX_CENTER_ANGLE: f64 = 360.0;
 /// M functions that end a program, change a tool or call a cycle.
 const CALLING: [u32; 5] = [2, 6, 30, 89, 99];
 
-/// The way to a contour or from it. Lengths are in mm of the program.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Form {
-    Along(f64),
-    Across(f64),
-    /// A radius with its sign, and the centre angle in degrees.
-    Arc(f64, f64),
-    ArcAndLine(f64),
-}
-
-/// A feed with its mode; `None` for one that is not known.
-type Rate = (FeedMode, Option<f64>);
-
-/// An approach that waits for the first element of the contour.
-#[derive(Debug, Clone, Copy)]
-pub struct Approach<'a> {
-    line: Line<'a>,
-    form: Form,
-    from: At,
-    side: Option<Side>,
-    radius_mm: f64,
-    /// The feed to the auxiliary point; `None` for a rapid.
-    first: Option<Rate>,
-    second: Rate,
-}
-
-/// A piece of the way in the plane.
-struct Piece {
+/// A line or an arc of the way, in the plane.
+struct LineOrArc {
     to: Vector2<f64>,
     about: Option<Pivot>,
 }
@@ -235,12 +208,12 @@ impl<'a> Execution<'a, '_> {
         let across = self.across(along, approach.side);
         let end = point + across * approach.radius_mm;
         let Some(form) = self.placed_form(approach.line, approach.form) else { return false };
-        let pieces = match form {
+        let ways = match form {
             Form::Along(length) => [line_to(end - along * length), line_to(end)],
             Form::Across(length) => [line_to(end + across * length), line_to(end)],
             Form::Arc(radius, degrees) => {
                 let pivot = Pivot::beside(end, along, across, radius);
-                [line_to(pivot.before(end, degrees)), Piece { to: end, about: Some(pivot) }]
+                [line_to(pivot.before(end, degrees)), LineOrArc { to: end, about: Some(pivot) }]
             }
             Form::ArcAndLine(radius) => {
                 let pivot = Pivot::beside(end, along, across, radius);
@@ -248,13 +221,13 @@ impl<'a> Execution<'a, '_> {
                     self.machine.refuse(approach.line.refused(Fault::NoTangent));
                     return false;
                 };
-                [line_to(touched), Piece { to: end, about: Some(pivot) }]
+                [line_to(touched), LineOrArc { to: end, about: Some(pivot) }]
             }
         };
         let now: Rate = (self.machine.feed_mode, self.machine.feed);
         self.machine.at = approach.from;
-        for (piece, rate) in pieces.iter().zip([approach.first, Some(approach.second)]) {
-            self.run_piece(approach.line, piece, rate);
+        for (way, rate) in ways.iter().zip([approach.first, Some(approach.second)]) {
+            self.run_way(approach.line, way, rate);
         }
         (self.machine.feed_mode, self.machine.feed) = now;
         if let Some(side) = approach.side.filter(|_| approach.radius_mm > 0.0) {
@@ -296,13 +269,13 @@ impl<'a> Execution<'a, '_> {
         else {
             return self.lose_place();
         };
-        let mut pieces = Vec::new();
+        let mut ways = Vec::new();
         match form {
-            Form::Along(length) => pieces.push(line_to(from + along * length)),
-            Form::Across(length) => pieces.push(line_to(from + across * length)),
+            Form::Along(length) => ways.push(line_to(from + along * length)),
+            Form::Across(length) => ways.push(line_to(from + across * length)),
             Form::Arc(radius, degrees) => {
                 let pivot = Pivot::beside(from, along, across, radius);
-                pieces.push(Piece { to: pivot.before(from, -degrees), about: Some(pivot) });
+                ways.push(LineOrArc { to: pivot.before(from, -degrees), about: Some(pivot) });
             }
             Form::ArcAndLine(radius) => {
                 let pivot = Pivot::beside(from, along, across, radius);
@@ -311,12 +284,12 @@ impl<'a> Execution<'a, '_> {
                 let (Some(end), Some(touched)) = (end, touched) else {
                     return self.refuse_lead(block, Some(Fault::NoTangent), &functions);
                 };
-                pieces.extend([Piece { to: touched, about: Some(pivot) }, line_to(end)]);
+                ways.extend([LineOrArc { to: touched, about: Some(pivot) }, line_to(end)]);
             }
         }
         let rate = Some((self.machine.feed_mode, self.machine.feed)).filter(|_| !is_rapid);
-        for piece in &pieces {
-            self.run_piece(block.line(), piece, rate);
+        for way in &ways {
+            self.run_way(block.line(), way, rate);
         }
         self.path.ends_rapid = is_rapid;
         self.forget_tangent();
@@ -346,13 +319,13 @@ impl<'a> Execution<'a, '_> {
     }
 
     /// A line or an arc from where the tool stands, at a feed or by a rapid.
-    fn run_piece(&mut self, line: Line<'a>, piece: &Piece, rate: Option<Rate>) {
+    fn run_way(&mut self, line: Line<'a>, way: &LineOrArc, rate: Option<Rate>) {
         let [a, b, _] = self.machine.plane.axes();
         let mut to = self.machine.at;
-        (to[a], to[b]) = (Some(piece.to.x), Some(piece.to.y));
+        (to[a], to[b]) = (Some(way.to.x), Some(way.to.y));
         let Some((mode, feed)) = rate else { return self.machine.rapid(line, to) };
         (self.machine.feed_mode, self.machine.feed) = (mode, feed);
-        match piece.about {
+        match way.about {
             None => self.machine.line(line, to),
             Some(Pivot { center, is_left }) => {
                 let direction = if is_left { Direction::Ccw } else { Direction::Cw };
@@ -363,8 +336,8 @@ impl<'a> Execution<'a, '_> {
     }
 }
 
-fn line_to(to: Vector2<f64>) -> Piece {
-    Piece { to, about: None }
+fn line_to(to: Vector2<f64>) -> LineOrArc {
+    LineOrArc { to, about: None }
 }
 
 /// The form that a name and its words state.

@@ -7,7 +7,7 @@
 //!    infeed ends with a way to the clearance and a rapid down the hole to a distance above the bottom: the
 //!    clearance for cycles 200 and 203, Q258 for cycle 205, and 0.6 mm to 7 mm by the depth for cycle 1.
 //! 3. To break chips the tool goes back by Q256: in cycle 203 behind an infeed, Q213 times before it leaves
-//!    the hole; in cycles 205 and 209 each Q257. In cycle 209 Q256 counts pitches, and 0 leads out of the hole.
+//!    the hole; in cycles 205 and 209 each Q257. In cycle 209 Q256 counts pitches, and 0 leads out of it.
 //! 4. Pause, and back to the clearance by rapid or feed as the cycle says.
 //! 5. Rapid to the second clearance (Q204), if that is higher.
 //!

@@ -2,8 +2,8 @@
 //!
 //! # Guarantees
 //! * A parameter that the program has not set has no value: what the control keeps in it is only known there.
-//! * The control itself sets Q100 to Q199, so that these have no value either. Q120 to Q122, the angles of the
-//!   rotary axes for the plane of the program, are zero behind a plane of three angles of zero.
+//! * The control itself sets Q100 to Q199, so that these have no value either. Q120 to Q122, the angles of
+//!   the rotary axes for the plane of the program, are zero behind a plane of three angles of zero.
 
 use std::collections::HashMap;
 

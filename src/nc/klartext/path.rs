@@ -8,9 +8,8 @@ use nalgebra::{Point3, Vector2};
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 
-use super::Execution;
-use super::approach::Approach;
 use super::script::Block;
+use super::{Approach, Execution};
 use crate::block::Line;
 use crate::codes::FeedMode;
 use crate::fault::Fault;

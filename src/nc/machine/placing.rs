@@ -156,9 +156,12 @@ impl Machine<'_> {
         let angles = OFFSETS.map(|letter| block.take(letter));
         let others = [b'P', b'Q', b'R'].map(|letter| block.take(letter));
         let tilts = angles.iter().chain(&others).flatten().any(|slot| slot.value != 0.0);
-        let is_turned = self.placing.has_plane || !self.placing.turn.is_plain();
-        if tilts || is_turned {
+        let is_placed = self.placing.has_plane || !self.placement.is_plain();
+        if tilts || is_placed {
             return self.refuse_code(line, code, if tilts { Fault::Tilted } else { Fault::Conflict });
+        }
+        if !self.is_absolute && words.iter().flatten().any(|slot| slot.value != 0.0) {
+            return self.refuse_code(line, code, Fault::IncrementalCenter);
         }
         let shift = words.map(|slot| slot.map_or(0.0, |slot| self.length_mm(line, slot)));
         self.placing.turn = Placement::shifted(shift.into());

@@ -196,6 +196,8 @@ impl<'a> Mill<'a, '_> {
             let Some(given) = &block.axes[axis] else { continue };
             self.assume_units(line);
             let mm = given.value * self.machine.unit_mm();
+            // Whether an incremental way behind this block counts from here is not certain.
+            self.owed[axis] = None;
             // Without a known length the height of the tip is not known.
             let has_length = axis != normal || self.has_length();
             *place = self.machine.frames.of_machine(axis, mm).filter(|_| has_length);

@@ -4,8 +4,8 @@
 //! 1. The parameters are those of the manual *Cycles*. Later versions add masks, hidden places and a plane
 //!    behind them; values that this reader does not know are refused.
 //! 2. A pattern moves by rapids from hole to hole. The modal cycle runs at each.
-//! 3. In which order CYCLE801 runs its holes is not stated. The ways between them count as rapids that are not
-//!    known, and so does the place behind the pattern.
+//! 3. In which order CYCLE801 runs its holes is not stated. The ways between them count as rapids that are
+//!    not known, and so does the place behind the pattern.
 
 use toolpathd_core::geometry::plane::Plane;
 

@@ -121,6 +121,8 @@ fn a_level_plane_moves_the_zero_alone() {
     close(&at("G68.2 X10. Y20. Z30. I0 J0 K0\nG69\nG0 X1. Y1. Z1.\nX4."), &[4.0, 1.0, 1.0]);
     let fault = |lines: &str| faults("fanuc", &format!("G21 G90\nG0 X1. Y2. Z3.\n{lines}\nM30\n"))[0].2;
     assert_eq!(fault("G68.2 X0 Y0 Z0 I0 J90. K0"), Fault::Tilted);
+    assert_eq!(fault("G51 X0. Y0. Z0. P2.\nG68.2 I0 J0 K0"), Fault::Conflict);
+    assert_eq!(fault("G91 G68.2 X1. I0 J0 K0"), Fault::IncrementalCenter);
     assert_eq!(fault("G68.2 I0 J0 K0\nG68 X0 Y0 R30."), Fault::Conflict);
     assert_eq!(faults("haas", "G21\nG68.2 I0 J0 K0\nM30\n")[0].2, Fault::NotRead);
 }

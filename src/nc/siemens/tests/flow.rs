@@ -81,6 +81,7 @@ fn a_modal_program_runs_behind_each_block_that_moves() {
     assert_eq!(faults(&other)[0].2, Fault::ModalInCall);
     let pattern = text.replace("X20\n", "HOLES1(0,0,0,0,10,3)\n");
     assert_eq!(faults(&pattern)[0].2, Fault::NotRead);
+    assert_eq!(faults(&text.replace("MCALL\nX30\nM30", "X30 M30"))[0].2, Fault::NotRead);
     assert_eq!(faults(&text.replace("SIDE(2)", "NONE(2)"))[0].2, Fault::NotRead);
 }
 

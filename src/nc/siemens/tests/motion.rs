@@ -221,6 +221,9 @@ fn an_incremental_way_runs_the_change_of_the_zero_too() {
     let text = framed("G1 X20\nG55\nG91 X5");
     let reading = read(&ReadJob { offsets: &offsets, ..job(&text) }, &Budget::unlimited()).unwrap();
     assert_eq!(reading.end[0], Some(32.0));
+    // A place of the machine is no start of an incremental way that is certain.
+    let on_machine = framed_faults("G1 X20\nSUPA G0 X0\nG91 X5");
+    assert_eq!(on_machine[0], (3, "X5".into(), Fault::IncrementOfNewZero));
     assert_eq!(
         framed_faults("TRANS X1\nCIP X=IC(10) I1=IC(5) J1=5"),
         [(2, "I1=IC(5)".into(), Fault::IncrementOfNewZero)]

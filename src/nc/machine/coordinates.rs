@@ -97,6 +97,11 @@ impl Machine<'_> {
             return;
         };
         let number = block.take(b'P').map(|slot| slot.value);
+        let is_known = [0.0, 1.0, 2.0, 10.0, 11.0, 20.0].contains(&kind.value);
+        if self.control.is(Family::LinuxCnc) && !is_known {
+            block.use_up(b"XYZRIJKQABCD");
+            return self.refuse_word(line, kind, Fault::OutOfRange(kind.value));
+        }
         let follows_linuxcnc = self.control.is_strict || self.control.is(Family::Mach);
         let is_offset = kind.value == 2.0 || kind.value == 20.0;
         if !is_offset {
@@ -122,8 +127,9 @@ impl Machine<'_> {
             return;
         }
         let extended = kind.value == 20.0 && !follows_linuxcnc;
+        let last = if self.control.is(Family::LinuxCnc) { 9.0 } else { 300.0 };
         let number = match number {
-            Some(number) if number.fract() != 0.0 || !(0.0..=300.0).contains(&number) => None,
+            Some(number) if number.fract() != 0.0 || !(0.0..=last).contains(&number) => None,
             Some(0.0) if follows_linuxcnc => Some(self.frames.active()),
             // P0 moves the zeros of all work offsets.
             Some(0.0) | None => None,

@@ -101,6 +101,18 @@ fn a_round_pocket_is_entered_and_left_by_arcs() {
 }
 
 #[test]
+fn a_plate_with_two_chamfers_is_milled_round_its_outside() {
+    let text = "0 BEGIN PGM PLATE MM\n1 BLK FORM 0.1 Z X+0 Y+0 Z-20\n2 BLK FORM 0.2 X+100 Y+100 Z+0\n3 TOOL CALL 1 Z S4000\n4 L Z+50 R0 FMAX\n5 L X-10 Y-10 R0 FMAX\n6 L Z-5 R0 F1000 M3\n7 APPR LT X+5 Y+5 LEN10 RL F300\n8 L Y+95\n9 L X+95\n10 CHF 10\n11 L Y+5\n12 CHF 20\n13 L X+5\n14 DEP LT LEN10 F1000\n15 L Z+50 R0 FMAX M2\n16 END PGM PLATE MM\n";
+    let computed = ReadJob { correction: Correction::Computed(&FIVE), ..job(text) };
+    let reading = read(&computed, &Budget::unlimited()).unwrap();
+    // Sides and chamfers of the plate, and arcs about its outside corners that turn by 270 degrees.
+    let sides = 90.0 + 80.0 + 60.0 + 70.0 + 30.0 * 2f64.sqrt() + 7.5 * PI;
+    let leads = [10.0, 10.0, 10f64.hypot(5.0), 55.0];
+    close(&[measures(&reading).cutting_length_mm], &[sides + leads.iter().sum::<f64>()]);
+    close(&reading.end.map(Option::unwrap), &[-5.0, 0.0, 50.0]);
+}
+
+#[test]
 fn approaches_that_are_not_certain_are_refused() {
     let fault = |lines: &str| {
         let text = framed(lines);

@@ -1,8 +1,8 @@
 //! Patterns of holes: HOLES1 (a row), HOLES2 (a circle), CYCLE801 (a grid or a frame) and CYCLE802 (places).
 //!
 //! # Method
-//! 1. The parameters are those of the manual *Cycles*. Later versions add masks, hidden places and a plane
-//!    behind them; values that this reader does not know are refused.
+//! 1. Behind the parameters later versions have masks, hidden places and a plane; values that this reader
+//!    does not know are refused. No manual at hand lists these masks, nor the parameters of CYCLE802.
 //! 2. A pattern moves by rapids from hole to hole. The modal cycle runs at each.
 //! 3. In which order CYCLE801 runs its holes is not stated. The ways between them count as rapids that are
 //!    not known, and so does the place behind the pattern.

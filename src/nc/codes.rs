@@ -77,6 +77,10 @@ pub enum Meaning {
     /// The coordinates turn in the plane.
     Turn,
     TurnEnd,
+    /// The plane is tilted.
+    Tilt,
+    /// The tool turns to the tilted plane.
+    AlongPlane,
     Scale,
     ScaleEnd,
     /// Axes are mirrored from here on, or no longer.
@@ -128,6 +132,13 @@ pub fn meaning(tenths: i32, control: &Control) -> Meaning {
         150 if named("okuma") => Meaning::OffsetByH,
         680 if fanuc || is(Family::Mach) => Meaning::Turn,
         690 => Meaning::TurnEnd,
+        682 | 531 if fanuc && !named("haas") && !named("okuma") => {
+            if tenths == 682 {
+                Meaning::Tilt
+            } else {
+                Meaning::AlongPlane
+            }
+        }
         510 if fanuc => Meaning::Scale,
         500 => Meaning::ScaleEnd,
         511 if fanuc && !named("haas") => Meaning::Mirror(true),
@@ -202,7 +213,7 @@ pub fn group(meaning: Meaning, control: &Control) -> Option<u8> {
         Meaning::WorkOffset(_) | Meaning::ExtendedOffset => Some(7),
         Meaning::Length(_) => Some(8),
         Meaning::Return(_) => Some(9),
-        Meaning::Turn | Meaning::TurnEnd => Some(11),
+        Meaning::Turn | Meaning::TurnEnd | Meaning::Tilt => Some(11),
         Meaning::Scale | Meaning::ScaleEnd => Some(12),
         Meaning::Mirror(_) => Some(13),
         Meaning::Polar | Meaning::PolarEnd => Some(14),
@@ -256,8 +267,7 @@ pub fn function(tenths: i32, control: &Control) -> Function {
         (97, _) if control.name == "haas" => Function::LocalCall,
         (99, _) => Function::Return,
         (96 | 97 | 198, Family::Fanuc) => Function::NotRead,
-        (72 | 73, Family::LinuxCnc) => Function::NotRead,
-        (19 | 48..=53 | 62..=68 | 70 | 71 | 100..=199, Family::LinuxCnc) => Function::LeftAlone,
+        (19 | 48..=53 | 62..=68 | 100..=199, Family::LinuxCnc) => Function::LeftAlone,
         (56, Family::Grbl) => Function::LeftAlone,
         _ => strict(!control.is_strict),
     }

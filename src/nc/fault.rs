@@ -44,6 +44,10 @@ pub enum Fault {
     NoMotion,
     #[error("the block cuts, but no feed is in force")]
     NoFeed,
+    #[error(
+        "behind a cycle the manuals do not say whether the feed of the cycle or the feed before it is in force: write F"
+    )]
+    FeedBehindCycle,
     #[error("a feed per turn needs a spindle speed")]
     NoSpindleSpeed,
     #[error("under G93 every block that cuts needs an F")]
@@ -97,7 +101,7 @@ pub enum Fault {
     #[error("this version reads arcs in planes of two axes only")]
     TiltedArc,
     #[error(
-        "a way right after a change of the zero depends on a setting of the control: write an absolute place"
+        "where an incremental way leads after a turn or a scaling depends on the control: write an absolute place"
     )]
     IncrementOfNewZero,
     #[error("the parameter {0} of the cycle is missing, contradicts another, or is not read")]
@@ -108,6 +112,16 @@ pub enum Fault {
     SetInBlock,
     #[error("Z of the cycle lies above its R")]
     CycleUpward,
+    #[error("a work offset that is turned and a shift by G52, G92 or G10 L20 are not read together")]
+    ShiftInTurn,
+    #[error("the program tilts the plane, or has tilted it: this version reads upright tools alone")]
+    Tilted,
+    #[error("nothing has been saved at this level by M70 or M73")]
+    NothingSaved,
+    #[error(
+        "controls differ in how APPR and DEP move along the tool axis: write the height in a block of its own"
+    )]
+    HeightInLead,
     #[error("the work offset is not known")]
     UnknownOffset,
     #[error("the value is only known at the machine")]
@@ -120,6 +134,10 @@ pub enum Fault {
     TooDeep,
     #[error("a number without a point is ambiguous here: write a point")]
     NoPoint,
+    #[error(
+        "whether the modal program (MCALL) runs behind the moves of a program that is called is not certain"
+    )]
+    ModalInCall,
     #[error("the program raises an alarm of its own")]
     Alarm,
     #[error("the program to call is not in the text")]

@@ -9,6 +9,7 @@
 //! O(n) for n executed and skipped blocks.
 
 mod fanuc;
+mod modes;
 mod o_words;
 
 use toolpathd_core::budget::{Budget, Stopped};
@@ -18,7 +19,7 @@ use super::block::{Block, Line};
 use super::control::{Family, Language};
 use super::expression::{Reader, Variable};
 use super::fault::{Fault, Refusal};
-use super::machine::{Machine, Next};
+use super::machine::{Machine, Modes, Next};
 use super::source::Source;
 use super::statement::{Statement, statement};
 use super::variables::{Value, Variables};
@@ -48,6 +49,8 @@ pub struct Execution<'a, 'm> {
     has_ended: bool,
     skips_optional: bool,
     scanned: Block,
+    /// What the main program has saved.
+    saved: Option<Modes>,
 }
 
 /// A call under way.
@@ -60,6 +63,9 @@ struct Call {
     line: usize,
     has_variables: bool,
     n_loops: usize,
+    /// What the called program has saved, and whether its end restores that.
+    saved: Option<Modes>,
+    restores: bool,
 }
 
 /// Runs a program to its end, or to where no sense can be made of it.
@@ -93,6 +99,7 @@ impl<'a, 'm> Execution<'a, 'm> {
             has_ended: false,
             skips_optional,
             scanned: Block::default(),
+            saved: None,
         }
     }
 
@@ -207,7 +214,11 @@ impl<'a, 'm> Execution<'a, 'm> {
                 self.n_tape_marks = 2;
                 self.next = self.source.len();
             }
-        } else if !(block.is_optional && self.skips_optional) {
+        } else if block.is_optional && self.skips_optional {
+            // The block does not run.
+        } else if self.keep_modes(line, &block) {
+            self.machine.trace(line.number);
+        } else {
             let next = self.machine.run(line, &mut block);
             self.machine.trace(line.number);
             self.assign(line, &block);
@@ -287,7 +298,8 @@ impl<'a, 'm> Execution<'a, 'm> {
         }
         let n_loops = self.loops.len();
         let (back, again) = (self.next, times - 1);
-        self.calls.push(Call { back, start, again, line: index, has_variables, n_loops });
+        let (saved, restores) = (None, false);
+        self.calls.push(Call { back, start, again, line: index, has_variables, n_loops, saved, restores });
         self.next = start;
     }
 
@@ -310,15 +322,18 @@ impl<'a, 'm> Execution<'a, 'm> {
             return;
         }
         let (back, at) = (call.back, call.line);
-        self.end_call();
+        self.end_call(line);
         self.next = back;
         if let Some(number) = label {
             self.goto(line, at, number);
         }
     }
 
-    fn end_call(&mut self) {
+    fn end_call(&mut self, line: Line<'a>) {
         if let Some(call) = self.calls.pop() {
+            if let Some(modes) = call.saved.filter(|_| call.restores) {
+                self.machine.restore_modes(line, &modes);
+            }
             self.loops.truncate(call.n_loops);
             if call.has_variables {
                 self.variables.leave();

@@ -33,6 +33,8 @@ pub struct Frames {
     suspended: [f64; 3],
     /// G92 was given where the place was not known.
     is_lost: [bool; 3],
+    /// The turns of work offsets about their zeros in the plane of X and Y, degrees.
+    turns: BTreeMap<u32, f64>,
 }
 
 impl Frames {
@@ -48,6 +50,7 @@ impl Frames {
             set: [0.0; 3],
             suspended: [0.0; 3],
             is_lost: [false; 3],
+            turns: BTreeMap::new(),
         };
         let base = given.iter().find(|(number, _)| *number == G54).or(given.first());
         if let Some((_, base)) = base {
@@ -70,6 +73,21 @@ impl Frames {
 
     pub fn active(&self) -> u32 {
         self.active
+    }
+
+    /// A work offset turns about its zero.
+    pub fn turn(&mut self, number: u32, degrees: f64) {
+        self.turns.insert(number, degrees);
+    }
+
+    /// The turn of the work offset in force, degrees.
+    pub fn degrees(&self) -> f64 {
+        self.turns.get(&self.active).copied().unwrap_or(0.0)
+    }
+
+    /// Whether G52 or G92 shifts the zero, or may do so again by G92.3.
+    pub fn is_shifted(&self) -> bool {
+        [self.local, self.set, self.suspended].iter().flatten().any(|mm| *mm != 0.0)
     }
 
     /// How many frames there have been.

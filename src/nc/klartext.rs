@@ -6,9 +6,9 @@
 //!    `formula` hold what the program computes.
 //! 3. `words` reads the words of a block that moves, `functions` its M words. `moves`, `circles` and `polar`
 //!    make an element of the path of it, and `path` follows the elements. `corners` rounds or chamfers where
-//!    two of them meet.
+//!    two of them meet, `approach` leads to a contour and from it.
 //! 4. `datum` places coordinates by cycles 7, 8, 10, 11, 26 and 247. `definitions` reads cycles for holes,
-//!    `drilling` and `patterns` run them.
+//!    `drilling` holds what they say, `holes` and `patterns` run them.
 //!
 //! # Guarantees
 //! * DR+ turns as G3 in all three planes. An arc whose end is its start is a full circle.
@@ -20,6 +20,7 @@
 //! HEIDENHAIN user's manuals: TNC 407 pp. 118-119, 137; TNC 426/430 p. 154; iTNC 530 (340 49x-04) and its
 //! *Cycle Programming*; TNC 320 (340 55x-03) p. 155; TNC 640 (34059x-05).
 
+mod approach;
 mod circles;
 mod corners;
 mod cursor;
@@ -29,6 +30,7 @@ mod drilling;
 mod flow;
 mod formula;
 mod functions;
+mod holes;
 mod jumps;
 mod moves;
 mod parameters;
@@ -44,7 +46,8 @@ use toolpathd_core::budget::{Budget, Stopped};
 
 use super::Ran;
 use super::block::Line;
-use super::machine::{Machine, Side};
+use super::codes::FeedMode;
+use super::machine::{At, Machine, Side};
 use datum::Transform;
 use drilling::Cycle;
 use parameters::Parameters;
@@ -75,6 +78,8 @@ pub struct Execution<'a, 'm> {
     pub side: Option<Side>,
     /// The feed of the tool call, mm/min.
     pub auto_feed: Option<f64>,
+    /// A cycle has run since the last F: which feed is in force is not certain.
+    pub has_cycle_feed: bool,
     /// F counts mm per turn, by M136.
     pub is_per_turn: bool,
     pub transforms: Vec<Transform>,
@@ -86,6 +91,32 @@ pub struct Execution<'a, 'm> {
     /// The words of a cycle of the older form that is under way, in the order of their blocks.
     pub parts: Vec<(u32, f64)>,
     pub points: Vec<Point>,
+}
+
+/// The way to a contour or from it. Lengths are in mm of the program.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Form {
+    Along(f64),
+    Across(f64),
+    /// A radius with its sign, and the centre angle in degrees.
+    Arc(f64, f64),
+    ArcAndLine(f64),
+}
+
+/// A feed with its mode; `None` for one that is not known.
+type Rate = (FeedMode, Option<f64>);
+
+/// An approach that waits for the first element of the contour.
+#[derive(Debug, Clone, Copy)]
+pub struct Approach<'a> {
+    line: Line<'a>,
+    form: Form,
+    from: At,
+    side: Option<Side>,
+    radius_mm: f64,
+    /// The feed to the auxiliary point; `None` for a rapid.
+    first: Option<Rate>,
+    second: Rate,
 }
 
 /// A call under way.

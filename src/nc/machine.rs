@@ -14,6 +14,7 @@ mod contour;
 mod coordinates;
 mod correction;
 mod cycles;
+mod modes;
 mod motion;
 mod placing;
 mod tracing;
@@ -36,6 +37,7 @@ use super::trace::TracedBlock;
 use compensation::Compensation;
 pub(crate) use correction::Radius;
 use cycles::Cycle;
+pub(crate) use modes::Modes;
 use placing::Placing;
 
 /// The letters of the linear axes, and of the distances of a centre along them.

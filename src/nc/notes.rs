@@ -57,6 +57,14 @@ pub enum Note {
         "line {line} leaves the plane G17 with a tool: its length is taken to stay along Z, which a setting of the control decides"
     )]
     LengthAxisAssumed { line: usize },
+    #[error(
+        "the incremental way in line {line} runs the change of the zero before it, too, as the control does unless its setting 42440 says otherwise"
+    )]
+    ShiftTraversed { line: usize },
+    #[error(
+        "the feeds of the cycle in line {line} count tenths of an inch per minute, as F does in this program"
+    )]
+    TenthsOfInch { line: usize },
     #[error("tap and spindle of the cycle in line {line} are taken to follow the feed")]
     Tapping { line: usize },
     #[error(

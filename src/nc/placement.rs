@@ -73,6 +73,13 @@ impl Placement {
         }
     }
 
+    /// By how much the zero lies elsewhere than in `before`, in coordinates of the program, mm. `None` where
+    /// the two maps differ by more than a shift.
+    pub fn shift_since(&self, before: &Self) -> Option<[f64; 3]> {
+        let is_shift = self.linear == before.linear;
+        is_shift.then(|| (self.inverse * (self.shift - before.shift)).into())
+    }
+
     pub fn is_plain(&self) -> bool {
         *self == Self::plain()
     }

@@ -25,9 +25,11 @@ mod corner_geometry;
 mod cycles;
 mod drilling;
 mod expression;
+mod indirect;
 mod mill;
 mod motion;
 mod operators;
+mod patterns;
 mod text;
 mod values;
 mod words;
@@ -48,6 +50,7 @@ use calls::Call;
 use codes::Motion;
 use corner::Pending;
 use cycles::Cycle;
+use indirect::ModalProgram;
 use mill::Next;
 use text::{Text, comment_start, front, is_tape_mark};
 use values::Variables;
@@ -77,9 +80,9 @@ struct Mill<'a, 'm> {
     /// T changes the tool, because the text has no M6.
     t_changes: bool,
     edge: Option<u32>,
-    /// The zero has changed since a block named the axis: a setting of the control decides where an
-    /// incremental way leads.
-    is_stale: [bool; 3],
+    /// How far the zero has moved since a block named the axis, mm of the program: an incremental way runs
+    /// it, too. `None` where the zero has turned, or has changed its scale.
+    owed: [Option<f64>; 3],
     pending: Option<Pending<'a>>,
     /// RNDM, in units of the program, and the feed of FRCM.
     rounding: f64,
@@ -91,6 +94,8 @@ struct Mill<'a, 'm> {
     written_zeros: Vec<(u32, [Option<f64>; 3])>,
     has_selected: bool,
     has_moved: bool,
+    /// The last block has moved.
+    moves: bool,
     is_transformed: bool,
     /// Pecks and holes of patterns so far, which are limited as blocks are.
     n_repeated: usize,
@@ -106,6 +111,7 @@ struct Execution<'a, 'm> {
     /// The lines of the program that runs.
     within: Range<usize>,
     calls: Vec<Call>,
+    modal_program: Option<ModalProgram>,
     repeats: Vec<Repeat>,
     /// The end values of FOR loops, by their lines.
     loop_ends: HashMap<usize, f64>,
@@ -145,6 +151,7 @@ pub fn run<'a>(
         next: within.start,
         within,
         calls: Vec::new(),
+        modal_program: None,
         repeats: Vec::new(),
         loop_ends: HashMap::new(),
         n_blocks: 0,
@@ -253,8 +260,12 @@ impl<'a> Execution<'a, '_> {
         let block = words::scan(line, front.end, &mut self.variables, &mut self.mill.machine.left);
         let next = self.mill.run(line, &block);
         self.mill.trace(line.number);
-        if next == Next::End {
+        if next == Next::End && self.mill.moves && self.modal_program.is_some() {
+            self.stop(line.refused(Fault::NotRead));
+        } else if next == Next::End {
             self.end_program();
+        } else if self.mill.moves {
+            self.run_modal_program(line);
         }
     }
 }

@@ -117,7 +117,7 @@ pub fn number_of_do(line: &[u8], from: usize) -> Option<u32> {
 }
 
 /// Whether nothing but blanks and comments stands there.
-fn is_bare(rest: &[u8]) -> bool {
+pub fn is_bare(rest: &[u8]) -> bool {
     let rest = rest.trim_ascii();
     rest.is_empty() || rest[0] == b'(' || rest[0] == b';'
 }

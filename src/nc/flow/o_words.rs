@@ -1,7 +1,7 @@
 //! The O words of LinuxCNC: subroutines, loops and branches.
 
 use super::{Execution, Fault, Line, Statement};
-use crate::statement::Keyword;
+use crate::statement::{Keyword, is_bare};
 
 /// A loop under way.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,13 +36,28 @@ impl<'a> Execution<'a, '_> {
         at: usize,
     ) {
         let is_current = |own: Option<&Loop>| own.is_some_and(|own| own.label == label);
+        let takes_value = matches!(
+            keyword,
+            Keyword::EndSub
+                | Keyword::Return
+                | Keyword::Call
+                | Keyword::While
+                | Keyword::Repeat
+                | Keyword::If
+                | Keyword::ElseIf
+        );
+        if !takes_value && !self.ends_at(line, at) {
+            return;
+        }
         match keyword {
             Keyword::Sub => self.skip(line, index, &label, &[Keyword::EndSub], true),
             Keyword::EndSub | Keyword::Return => {
                 if self.calls.is_empty() {
                     return self.stop(line.refused(Fault::OpenLoop));
                 }
-                self.go_back(line, index, None);
+                if self.give_back(line, at) {
+                    self.go_back(line, index, None);
+                }
             }
             Keyword::Call => self.call_sub(line, index, &label, at),
             Keyword::Do => self.loops.push(Loop { label, start: index, kind: LoopKind::Do }),
@@ -60,6 +75,22 @@ impl<'a> Execution<'a, '_> {
             Keyword::EndIf => {}
             Keyword::EndWhile | Keyword::EndRepeat => self.stop(line.refused(Fault::OpenLoop)),
         }
+    }
+
+    /// Whether nothing but a comment stands from byte `at` on. What stands there is refused.
+    fn ends_at(&mut self, line: Line<'a>, at: usize) -> bool {
+        let ends = is_bare(&line.text[at..]);
+        if !ends {
+            let start = crate::source::blanks(line.text, at);
+            self.stop(line.refusal(start, line.text.len(), Fault::UnusedWord));
+        }
+        ends
+    }
+
+    /// The truth of the condition that ends a line. A fault ends the run.
+    fn last_condition(&mut self, line: Line<'a>, at: usize) -> Option<bool> {
+        let (holds, end) = self.condition(line, at)?;
+        self.ends_at(line, end).then_some(holds)
     }
 
     /// Goes to the next line of `label` with one of these keywords, or behind it.
@@ -89,6 +120,9 @@ impl<'a> Execution<'a, '_> {
                 Err(fault) => return self.stop(line.refusal(start, line.text.len(), fault)),
             }
         }
+        if !self.ends_at(line, at) {
+            return;
+        }
         let start = self.source.sub(label);
         self.call(line, index, start, 1, Some(arguments));
         if start.is_some() && !self.has_ended {
@@ -96,8 +130,31 @@ impl<'a> Execution<'a, '_> {
         }
     }
 
+    /// The value in brackets behind the end of a subroutine goes to the caller. False where it has none,
+    /// which is refused.
+    fn give_back(&mut self, line: Line<'a>, at: usize) -> bool {
+        let start = crate::source::blanks(line.text, at);
+        let has_value = line.text.get(start) == Some(&b'[');
+        let (mut value, mut end) = (0.0, at);
+        if has_value {
+            match self.value(line, start) {
+                Ok((found, behind)) => (value, end) = (found.unwrap_or(0.0), behind),
+                Err(fault) => {
+                    self.stop(line.refusal(start, line.text.len(), fault));
+                    return false;
+                }
+            }
+        }
+        if !self.ends_at(line, end) {
+            return false;
+        }
+        self.variables.set_named("_value", value);
+        self.variables.set_named("_value_returned", f64::from(u8::from(has_value)));
+        true
+    }
+
     fn meet_while(&mut self, line: Line<'a>, index: usize, label: String, at: usize) {
-        let Some((holds, _)) = self.condition(line, at) else { return };
+        let Some(holds) = self.last_condition(line, at) else { return };
         match self.loops.last().filter(|own| own.label == label).map(|own| (own.kind, own.start)) {
             Some((LoopKind::Do, start)) if holds => self.next = start + 1,
             Some((LoopKind::Do, _)) => {
@@ -118,7 +175,10 @@ impl<'a> Execution<'a, '_> {
 
     fn begin_repeat(&mut self, line: Line<'a>, index: usize, label: String, at: usize) {
         match self.value(line, at) {
-            Ok((Some(times), _)) if times.abs() < 1e15 => {
+            Ok((Some(times), end)) if times.abs() < 1e15 => {
+                if !self.ends_at(line, end) {
+                    return;
+                }
                 let times = times.round();
                 if times >= 1.0 {
                     let kind = LoopKind::Repeat(times as u64 - 1);
@@ -172,7 +232,7 @@ impl<'a> Execution<'a, '_> {
     fn choose(&mut self, line: Line<'a>, index: usize, label: &str, at: usize) {
         let (mut line, mut index, mut at) = (line, index, at);
         loop {
-            let Some((holds, _)) = self.condition(line, at) else { return };
+            let Some(holds) = self.last_condition(line, at) else { return };
             if holds {
                 return;
             }

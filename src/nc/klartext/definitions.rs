@@ -7,6 +7,7 @@ use super::parameters::Key;
 use super::script::Block;
 use super::words::Sort;
 use crate::fault::Fault;
+use crate::notes::Note;
 use crate::placement::Coordinate;
 
 /// The parameters that a cycle needs, and those that controls of some age do not have.
@@ -139,11 +140,13 @@ impl<'a> Execution<'a, '_> {
 
     /// Cycle 19: a plane that is not tilted.
     fn reset_tilting(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
+        let states_angles = !cursor.is_done() && matches!(cursor.peek(), Some(b'A' | b'B' | b'C'));
         let words = self.scan(block, cursor, &[Sort::Axis, Sort::Feed, Sort::Function]);
         let is_moved = words.axes.iter().any(|axis| !matches!(axis, None | Some(Coordinate::Absolute(0.0))));
         if is_moved {
             self.refuse_block(block, Fault::NotRead);
         }
+        self.parameters.is_level = states_angles && !is_moved && !words.is_broken;
     }
 
     /// Reads the Q parameters of a cycle definition and sets them. Returns their values, or `None` where a
@@ -217,7 +220,9 @@ impl<'a> Execution<'a, '_> {
             return Ok((number, RAPID));
         }
         if matches!(number, 206 | 208) && (cursor.phrase("FAUTO") || cursor.phrase("AUTO")) {
-            return self.auto_feed.map(|feed| (number, feed)).ok_or(fault(cursor, Fault::NoFeed));
+            // In mm/min already.
+            let unit = if self.machine.in_inches() { 2.54 } else { 1.0 };
+            return self.auto_feed.map(|feed| (number, feed / unit)).ok_or(fault(cursor, Fault::NoFeed));
         }
         let value = cursor.value(&self.parameters)?;
         Ok((number, value))
@@ -230,6 +235,10 @@ impl<'a> Execution<'a, '_> {
             _ => {
                 self.is_modal_call = false;
                 let in_inches = self.machine.in_inches();
+                self.note_feeds(block);
+                if number == 203 {
+                    self.note_stop(block, &values);
+                }
                 self.cycle = Some(match Drilling::new(number, values, in_inches) {
                     Ok(drilling) => Cycle::Hole(Box::new(drilling)),
                     Err(fault) => {
@@ -238,6 +247,22 @@ impl<'a> Execution<'a, '_> {
                     }
                 });
             }
+        }
+    }
+
+    /// Tells in which unit the feeds of cycles count.
+    fn note_feeds(&mut self, block: &Block<'a>) {
+        if self.machine.in_inches() {
+            self.machine.note_first(Note::TenthsOfInch { line: block.line().number });
+        }
+    }
+
+    /// Tells where the rapid down the hole of cycle 203 ends, which the manuals leave open.
+    fn note_stop(&mut self, block: &Block<'a>, values: &Values) {
+        let own = |number: u16| values.get(&number).copied().unwrap_or(0.0);
+        if own(202) < -own(201) {
+            let mm = own(200) * self.machine.unit_mm();
+            self.machine.note_first(Note::PeckClearance { line: block.line().number, mm });
         }
     }
 
@@ -253,6 +278,7 @@ impl<'a> Execution<'a, '_> {
         }
         let is_in_order = self.parts[1..].iter().zip(1..).all(|((part, _), own)| *part == own);
         let values: Vec<f64> = self.parts[1..].iter().map(|(_, value)| *value).collect();
+        self.note_feeds(block);
         let made = if is_in_order {
             Drilling::older(number, &values, self.machine.in_inches())
         } else {
@@ -280,6 +306,7 @@ fn names(number: u32) -> Option<Names> {
         205 => (&[200, 201, 206, 202, 203, 204, 258, 259], &[212, 205, 257, 256, 211, 379, 253, 208, 395]),
         206 => (&[200, 201, 206, 211, 203, 204], &[]),
         207 => (&[200, 201, 239, 203, 204], &[]),
+        209 => (&[200, 201, 239, 203, 204, 257, 256], &[336, 403]),
         220 => (&[216, 217, 244, 245, 246, 247, 241, 200, 203, 204, 301], &[365]),
         221 => (&[225, 226, 237, 238, 242, 243, 224, 200, 203, 204, 301], &[]),
         240 => (&[200, 343, 201, 344, 206, 211, 203, 204], &[342, 253]),

@@ -1,28 +1,24 @@
-//! Cycles for holes: 200, 201, 202, 203, 205, 206, 207 and 240, and the older 1, 2 and 17.
+//! Cycles for holes: 200, 201, 202, 203, 205, 206, 207, 209 and 240, and the older 1, 2 and 17.
 //!
 //! # Method
 //! 1. Rapid to the clearance (Q200) above the surface (Q203). A cycle of the older form begins where the tool
 //!    stands, at its clearance above the surface.
-//! 2. Feed to the depth, in infeeds for cycles 1, 200 and 205. An infeed ends with a rapid to the clearance
-//!    and a rapid down the hole to a distance above the bottom: the clearance for cycle 200, Q258 for cycle
-//!    205, and 0.6 mm to 7 mm by the depth for cycle 1.
-//! 3. Pause, and back to the clearance by rapid or feed as the cycle says.
-//! 4. Rapid to the second clearance (Q204), if that is higher.
+//! 2. Feed to the depth, in infeeds for cycles 1, 200, 203 and 205, which shrink by Q212 down to Q205. An
+//!    infeed ends with a way to the clearance and a rapid down the hole to a distance above the bottom: the
+//!    clearance for cycles 200 and 203, Q258 for cycle 205, and 0.6 mm to 7 mm by the depth for cycle 1.
+//! 3. To break chips the tool goes back by Q256: in cycle 203 behind an infeed, Q213 times before it leaves
+//!    the hole; in cycles 205 and 209 each Q257. In cycle 209 Q256 counts pitches, and 0 leads out of it.
+//! 4. Pause, and back to the clearance by rapid or feed as the cycle says.
+//! 5. Rapid to the second clearance (Q204), if that is higher.
 //!
 //! # Guarantees
-//! Chip breaking, infeeds that shrink, moves to the side at the bottom and depths that count from a diameter
-//! are refused, because their paths depend on the control or on the tool.
+//! Deeper starts, moves to the side at the bottom and depths that count from a diameter are refused, because
+//! their paths depend on the control or on the tool. What breaks chips stays in the hole that is cut already.
 
 use std::collections::BTreeMap;
 
-use super::Execution;
-use super::parameters::Key;
-use super::script::Block;
 use crate::codes::FeedMode;
 use crate::fault::Fault;
-use crate::machine::{At, Machine};
-use crate::notes::Note;
-use crate::placement::Coordinate;
 
 /// The cycle that a call runs.
 #[derive(Debug, Clone)]
@@ -44,7 +40,7 @@ pub const RAPID: f64 = 99_999.0;
 const MAX_PECKS: f64 = 100_000.0;
 
 /// A feed with its mode.
-type Rate = (FeedMode, f64);
+pub type Rate = (FeedMode, f64);
 
 /// A cycle for holes. Lengths are in mm of the program and positive.
 #[derive(Debug, Clone)]
@@ -53,21 +49,42 @@ pub struct Drilling {
     pub surface: Option<f64>,
     pub clearance: f64,
     /// Zero for a cycle that does nothing.
-    depth: f64,
+    pub depth: f64,
     pub second: f64,
-    rate: Rate,
-    infeed: f64,
+    pub rate: Rate,
+    pub infeed: f64,
+    /// How much each infeed is less than the one before, and the least infeed.
+    pub decrement: f64,
+    pub least: f64,
+    pub chips: Chips,
     /// Where the rapid down the hole ends, above the bottom of the last infeed.
-    stop: f64,
+    pub stop: f64,
     /// The distance is the clearance, whatever that is.
     stops_at_clearance: bool,
-    top_s: f64,
-    bottom_s: f64,
+    pub top_s: f64,
+    pub bottom_s: f64,
     /// `None` for a rapid.
-    out: Option<Rate>,
-    is_tapping: bool,
+    pub out: Option<Rate>,
+    pub is_tapping: bool,
     /// The parameters of its definition.
-    values: Values,
+    pub values: Values,
+}
+
+/// How a cycle breaks chips.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Chips {
+    /// How many infeeds end with a way back by `back` before one leaves the hole.
+    pub n_infeeds: f64,
+    /// The depth behind which the tool goes back; 0 for none.
+    pub every: f64,
+    pub back: f64,
+    /// The tool follows its thread on all ways, and leaves the hole where `back` is zero.
+    pub in_thread: bool,
+}
+
+/// What a feed of a cycle is multiplied by: in inches it counts tenths of an inch per minute.
+fn feed_unit(in_inches: bool) -> f64 {
+    if in_inches { 2.54 } else { 1.0 }
 }
 
 impl Drilling {
@@ -79,8 +96,8 @@ impl Drilling {
         let own = |number: u16| values.get(&number).copied().unwrap_or(0.0);
         let unit = if in_inches { 25.4 } else { 1.0 };
         let length = |number: u16| own(number) * unit;
-        // Breaking chips, shrinking infeeds, deeper starts, moves aside and depths of a diameter.
-        let unsure = [212, 257, 379, 395, 214, 343, 342, 213];
+        // Deeper starts, moves aside and depths of a diameter.
+        let unsure = [379, 395, 214, 343, 342];
         if let Some(unsure) = unsure.into_iter().find(|number| own(*number) != 0.0) {
             return Err(Fault::UnsureParameter(unsure));
         }
@@ -88,11 +105,15 @@ impl Drilling {
         let has_infeeds = values.contains_key(&202);
         let infeed = if has_infeeds { positive(length(202))? } else { depth };
         let is_pecking = depth > infeed;
+        let decrement = positive(length(212))?;
+        let least = if decrement > 0.0 { positive(length(205))?.min(infeed) } else { infeed };
         if has_infeeds && depth > 0.0 && !(infeed > 0.0 && depth / infeed <= MAX_PECKS) {
             return Err(Fault::OutOfRange(own(202)));
         }
+        if is_pecking && !(least > 0.0 && depth / least <= MAX_PECKS) {
+            return Err(Fault::OutOfRange(own(205)));
+        }
         let unsure = match number {
-            203 if is_pecking => Some(202),
             205 if is_pecking && own(258) != own(259) => Some(259),
             205 if is_pecking && own(208) != 0.0 && own(208) < RAPID => Some(208),
             _ => None,
@@ -100,20 +121,27 @@ impl Drilling {
         if let Some(unsure) = unsure {
             return Err(Fault::UnsureParameter(unsure));
         }
-        if in_inches {
+        let by_pitch = matches!(number, 207 | 209);
+        if in_inches && by_pitch {
             return Err(Fault::UnsureFeed);
         }
-        let rate = if number == 207 {
+        let feed_unit = feed_unit(in_inches);
+        let rate = if by_pitch {
             (FeedMode::PerTurn, positive(own(239).abs())?)
         } else {
-            (FeedMode::PerMinute, positive(own(206))?)
+            (FeedMode::PerMinute, positive(own(206))? * feed_unit)
         };
         let out = match number {
             206 | 207 => Some(rate),
+            // Q403 makes the spindle faster on its way out, and the feed with it.
+            209 => Some((FeedMode::PerTurn, rate.1 * factor_out(values.get(&403).copied())?)),
             201 | 202 if own(208) == 0.0 => Some(rate),
-            201..=203 | 205 if own(208) > 0.0 && own(208) < RAPID => Some((FeedMode::PerMinute, own(208))),
+            201..=203 | 205 if own(208) > 0.0 && own(208) < RAPID => {
+                Some((FeedMode::PerMinute, own(208) * feed_unit))
+            }
             _ => None,
         };
+        let chips = Chips::new(number, &values, unit, depth)?;
         positive(own(208))?;
         let stop = positive(if number == 205 { length(258) } else { length(200) })?;
         Ok(Self {
@@ -123,12 +151,15 @@ impl Drilling {
             second: positive(length(204))?,
             rate,
             infeed,
+            decrement,
+            least,
+            chips,
             stop,
             stops_at_clearance: number != 205,
             top_s: positive(own(210))?,
             bottom_s: positive(own(211))?,
             out,
-            is_tapping: matches!(number, 206 | 207),
+            is_tapping: matches!(number, 206 | 207 | 209),
             values,
         })
     }
@@ -139,18 +170,19 @@ impl Drilling {
     /// # Errors
     /// When a value is out of range.
     pub fn older(number: u32, values: &[f64], in_inches: bool) -> Result<Self, Fault> {
-        if in_inches {
+        if in_inches && number == 17 {
             return Err(Fault::UnsureFeed);
         }
         let own = |index: usize| values.get(index).copied().unwrap_or(0.0);
-        let depth = positive(-own(1))?;
-        let infeed = if number == 1 { positive(own(2).abs())? } else { depth };
+        let (unit, feed_unit) = (if in_inches { 25.4 } else { 1.0 }, feed_unit(in_inches));
+        let depth = positive(-own(1) * unit)?;
+        let infeed = if number == 1 { positive(own(2).abs() * unit)? } else { depth };
         if depth > 0.0 && !(infeed > 0.0 && depth / infeed <= MAX_PECKS) {
             return Err(Fault::OutOfRange(own(2)));
         }
         let rate = match number {
-            1 => (FeedMode::PerMinute, positive(own(4))?),
-            2 => (FeedMode::PerMinute, positive(own(3))?),
+            1 => (FeedMode::PerMinute, positive(own(4))? * feed_unit),
+            2 => (FeedMode::PerMinute, positive(own(3))? * feed_unit),
             _ => (FeedMode::PerTurn, positive(own(2).abs())?),
         };
         let bottom_s = match number {
@@ -160,11 +192,14 @@ impl Drilling {
         };
         Ok(Self {
             surface: None,
-            clearance: own(0).abs(),
+            clearance: own(0).abs() * unit,
             depth,
             second: 0.0,
             rate,
             infeed,
+            decrement: 0.0,
+            least: infeed,
+            chips: Chips::default(),
             // TNC 426, *User's Manual*: 0.6 mm up to a depth of 30 mm, then a fiftieth of it up to 7 mm.
             stop: if depth <= 30.0 { 0.6 } else { (depth / 50.0).min(7.0) },
             stops_at_clearance: false,
@@ -187,133 +222,35 @@ impl Drilling {
     }
 }
 
-fn positive(value: f64) -> Result<f64, Fault> {
-    if value >= 0.0 { Ok(value.abs()) } else { Err(Fault::OutOfRange(value)) }
+impl Chips {
+    /// What a cycle says of chips.
+    fn new(number: u32, values: &Values, unit: f64, depth: f64) -> Result<Self, Fault> {
+        let own = |number: u16| values.get(&number).copied().unwrap_or(0.0);
+        let (count, every) = (positive(own(213))?, positive(own(257) * unit)?);
+        if count == 0.0 && every == 0.0 {
+            return Ok(Self::default());
+        }
+        if !values.contains_key(&256) {
+            return Err(Fault::LacksParameter(256));
+        }
+        if count.fract() != 0.0 || every > 0.0 && depth / every > MAX_PECKS {
+            return Err(Fault::OutOfRange(if count.fract() != 0.0 { count } else { own(257) }));
+        }
+        let in_thread = number == 209;
+        let back = positive(own(256))? * if in_thread { own(239).abs() } else { unit };
+        Ok(Self { n_infeeds: count, every, back, in_thread })
+    }
 }
 
-impl<'a> Execution<'a, '_> {
-    /// Runs the cycle in force where the tool stands. `span` is where the call stands in the block.
-    pub(super) fn call_cycle(&mut self, block: &Block<'a>, span: [usize; 2]) {
-        match self.cycle.clone() {
-            None if span == [0, 0] => self.refuse_block(block, Fault::Lacks("CYCL DEF")),
-            None => self.refuse(block, span, Fault::Lacks("CYCL DEF")),
-            Some(Cycle::Refused) => {
-                self.machine.refuse_state(block.line(), Fault::Lacks("CYCL DEF"));
-                self.lose_place();
-            }
-            Some(Cycle::Program(name)) => self.call_program(block, &name),
-            Some(Cycle::Hole(drilling)) => self.make_hole(block, &drilling, 0.0),
-        }
+/// The factor of the speed on the way out of a thread.
+fn factor_out(given: Option<f64>) -> Result<f64, Fault> {
+    match given {
+        None => Ok(1.0),
+        Some(factor) if (0.0001..=10.0).contains(&factor) => Ok(factor),
+        Some(factor) => Err(Fault::OutOfRange(factor)),
     }
+}
 
-    /// The drilling cycle in force. Refuses a block without one.
-    pub(super) fn drilling(&mut self, block: &Block<'a>) -> Option<Drilling> {
-        match &self.cycle {
-            Some(Cycle::Hole(drilling)) => return Some((**drilling).clone()),
-            Some(Cycle::Refused) => self.machine.refuse_state(block.line(), Fault::Lacks("CYCL DEF")),
-            _ => self.refuse_block(block, Fault::Lacks("CYCL DEF")),
-        }
-        self.lose_place();
-        None
-    }
-
-    /// The height of a coordinate along the tool axis.
-    pub(super) fn height(&self, mm: f64) -> Option<f64> {
-        let n = self.machine.plane.axes()[2];
-        let mut along = [None; 3];
-        along[n] = Some(Coordinate::Absolute(mm));
-        self.machine.placed(along)[n]
-    }
-
-    /// Makes a hole where the tool stands, with the surface raised by `raised_mm`.
-    pub(super) fn make_hole(&mut self, block: &Block<'a>, drilling: &Drilling, raised_mm: f64) {
-        self.machine.exclude_compensation(block.line());
-        if self.has_changed(drilling, &[]) {
-            return self.refuse_block(block, Fault::ChangedCycle);
-        }
-        self.drill(block, drilling, raised_mm);
-    }
-
-    /// Whether a parameter of a cycle, other than `replaced`, has changed since its definition.
-    pub(super) fn has_changed(&self, drilling: &Drilling, replaced: &[u16]) -> bool {
-        let values = drilling.values.iter().filter(|(own, _)| !replaced.contains(own));
-        let is_now =
-            |own: u16, value: f64| self.parameters.get(Key::of_cycle(own)).is_ok_and(|now| now == value);
-        values.into_iter().any(|(own, value)| !is_now(*own, *value))
-    }
-
-    /// Drills where the tool stands.
-    pub(super) fn drill(&mut self, block: &Block<'a>, drilling: &Drilling, raised_mm: f64) {
-        let n = self.machine.plane.axes()[2];
-        let factor = self.machine.placement.factor(n);
-        if drilling.depth == 0.0 {
-            return;
-        }
-        if factor <= 0.0 {
-            return self.refuse_block(block, Fault::NotRead);
-        }
-        let surface = match drilling.surface {
-            Some(surface) => self.height(surface + raised_mm),
-            None => self.machine.at[n].map(|at| at - factor * drilling.clearance),
-        };
-        let Some(surface) = surface else {
-            return self.machine.refuse_state(block.line(), Fault::UnknownStart(['X', 'Y', 'Z'][n]));
-        };
-        self.forget_tangent();
-        if drilling.is_tapping {
-            self.machine.note_first(Note::Tapping { line: block.line().number });
-        }
-        let height = |mm: f64| surface + factor * mm;
-        let own_mode = if self.is_per_turn { FeedMode::PerTurn } else { FeedMode::PerMinute };
-        self.set_feed((drilling.rate.0, Some(drilling.rate.1)));
-        self.rapid_to(block, height(drilling.clearance));
-        self.infeed(block, drilling, &height);
-        self.cut_to(block, height(-drilling.depth));
-        self.cycle_pause(block, drilling.bottom_s);
-        match drilling.out {
-            Some((mode, feed)) => {
-                self.set_feed((mode, Some(feed)));
-                self.cut_to(block, height(drilling.clearance));
-            }
-            None => self.rapid_to(block, height(drilling.clearance)),
-        }
-        if drilling.second > drilling.clearance {
-            self.rapid_to(block, height(drilling.second));
-        }
-        self.set_feed((own_mode, None));
-    }
-
-    /// All infeeds but the last.
-    fn infeed(&mut self, block: &Block<'a>, drilling: &Drilling, height: &dyn Fn(f64) -> f64) {
-        let mut bottom = drilling.infeed;
-        while bottom < drilling.depth - 1e-9 && !self.machine.is_full() && self.spend(block, 1) {
-            self.cut_to(block, height(-bottom));
-            self.rapid_to(block, height(drilling.clearance));
-            self.cycle_pause(block, drilling.top_s);
-            self.rapid_to(block, height((drilling.stop - bottom).min(drilling.clearance)));
-            bottom += drilling.infeed;
-        }
-    }
-
-    fn cycle_pause(&mut self, block: &Block<'a>, seconds: f64) {
-        if seconds > 0.0 {
-            self.pause(block, seconds, [0, block.text.len()]);
-        }
-    }
-
-    fn along(&self, height: f64) -> At {
-        let Machine { mut at, plane, .. } = *self.machine;
-        at[plane.axes()[2]] = Some(height);
-        at
-    }
-
-    pub(super) fn rapid_to(&mut self, block: &Block<'a>, height: f64) {
-        let to = self.along(height);
-        self.machine.rapid(block.line(), to);
-    }
-
-    fn cut_to(&mut self, block: &Block<'a>, height: f64) {
-        let to = self.along(height);
-        self.machine.line(block.line(), to);
-    }
+fn positive(value: f64) -> Result<f64, Fault> {
+    if value >= 0.0 { Ok(value.abs()) } else { Err(Fault::OutOfRange(value)) }
 }

@@ -47,6 +47,7 @@ impl<'a, 'm> Execution<'a, 'm> {
             pole: None,
             side: None,
             auto_feed: None,
+            has_cycle_feed: false,
             is_per_turn: false,
             transforms: Vec::new(),
             shift: None,
@@ -82,6 +83,7 @@ impl<'a, 'm> Execution<'a, 'm> {
                 self.machine.trace(block.line().number);
             }
         }
+        self.drop_approach();
         self.settle();
         Ok(Ran { n_lines: self.script.n_lines(), n_blocks: self.n_blocks })
     }

@@ -184,6 +184,7 @@ impl<'a> Execution<'a, '_> {
     /// `CALL LBL n`, with REP or without, and `CALL PGM name`.
     pub(super) fn call(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
         if cursor.phrase("CALL PGM") {
+            self.drop_approach();
             self.settle();
             match cursor.name() {
                 Some(name) => {

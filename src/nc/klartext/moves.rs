@@ -57,6 +57,9 @@ impl<'a> Execution<'a, '_> {
         if let Some((mode, feed)) = self.rate_of(words.feed) {
             self.set_feed((mode, Some(feed)));
         }
+        if words.feed.is_none() && self.has_cycle_feed && words.moves() {
+            self.machine.refuse_state(block.line(), Fault::FeedBehindCycle);
+        }
         if words.is_broken {
             self.lose_place();
             self.end_functions(block, &functions, false);
@@ -70,6 +73,10 @@ impl<'a> Execution<'a, '_> {
             if before.is_some() && side.is_some() {
                 // A block without compensation has to stand between the two.
                 self.refuse(block, [start, end], Fault::Conflict);
+            }
+            if self.path.approach.is_some() {
+                self.refuse(block, [start, end], Fault::Conflict);
+                self.path = Path::default();
             }
             if self.path.corner.is_some() && self.machine.computes_compensation() {
                 self.refuse(block, [start, end], Fault::CornerBetweenSides);
@@ -136,5 +143,6 @@ impl<'a> Execution<'a, '_> {
     /// Puts a feed in force behind something that has a feed of its own.
     pub(super) fn set_feed(&mut self, (feed_mode, feed): (FeedMode, Option<f64>)) {
         (self.machine.feed_mode, self.machine.feed) = (feed_mode, feed);
+        self.has_cycle_feed &= feed.is_none();
     }
 }

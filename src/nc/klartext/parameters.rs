@@ -2,7 +2,8 @@
 //!
 //! # Guarantees
 //! * A parameter that the program has not set has no value: what the control keeps in it is only known there.
-//! * The control itself sets Q100 to Q199, so that these have no value either.
+//! * The control itself sets Q100 to Q199, so that these have no value either. Q120 to Q122, the angles of
+//!   the rotary axes for the plane of the program, are zero behind a plane of three angles of zero.
 
 use std::collections::HashMap;
 
@@ -33,6 +34,8 @@ pub struct Parameters {
     local: HashMap<Key, Option<f64>>,
     /// The local ones of the programs that have called.
     callers: Vec<HashMap<Key, Option<f64>>>,
+    /// The plane of the program is level by three angles of zero, so that Q120 to Q122 are zero.
+    pub is_level: bool,
 }
 
 impl Key {
@@ -54,6 +57,9 @@ impl Parameters {
     pub fn get(&self, key: Key) -> Result<f64, Option<Fault>> {
         if !key.is_legal() {
             return Err(Some(Fault::OutOfRange(f64::from(key.number))));
+        }
+        if key.kind == Kind::Plain && (120..=122).contains(&key.number) && self.is_level {
+            return Ok(0.0);
         }
         if key.kind == Kind::Plain && (100..200).contains(&key.number) {
             return Err(Some(Fault::AtMachine));

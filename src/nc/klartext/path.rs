@@ -8,8 +8,8 @@ use nalgebra::{Point3, Vector2};
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 
-use super::Execution;
 use super::script::Block;
+use super::{Approach, Execution};
 use crate::block::Line;
 use crate::codes::FeedMode;
 use crate::fault::Fault;
@@ -63,6 +63,10 @@ pub struct Corner<'a> {
 pub struct Path<'a> {
     pub held: Option<PathElement<'a>>,
     pub corner: Option<Corner<'a>>,
+    /// An approach that the next element completes.
+    pub approach: Option<Approach<'a>>,
+    /// The last element was a rapid.
+    pub ends_rapid: bool,
     /// The plane and the direction in it with which the last element ends.
     tangent: Option<(Plane, Vector2<f64>)>,
 }
@@ -97,12 +101,18 @@ impl<'a> Execution<'a, '_> {
 
     /// Goes on by an element, behind the corner that the last block has stated.
     pub(super) fn advance(&mut self, block: &Block<'a>, mut element: PathElement<'a>) {
+        if let Some(approach) = self.path.approach.take()
+            && !self.run_approach(&approach, &element)
+        {
+            return self.lose_place();
+        }
         match (self.path.corner.take(), self.path.held.take()) {
             (Some(corner), Some(held)) => self.join(block, held, &corner, &mut element),
             (_, Some(held)) => self.follow(held),
             _ => {}
         }
         self.machine.at = element.to;
+        self.path.ends_rapid = matches!(element.way, Way::Rapid);
         self.path.held = Some(element);
     }
 

@@ -14,9 +14,8 @@ use crate::fault::Fault;
 const MAX_DWELL_S: f64 = 86_400.0;
 
 /// Blocks that cannot move the tool, by their first words.
-const LEFT_ALONE: [&str; 10] = [
+const LEFT_ALONE: [&str; 9] = [
     "BLK FORM",
-    "TOOL DEF",
     "FUNCTION MODE MILL",
     "FUNCTION PROG PATH IS CONTOUR",
     "FUNCTION PROG PATH OFF",
@@ -28,10 +27,9 @@ const LEFT_ALONE: [&str; 10] = [
 ];
 
 /// Blocks that move the tool, or change where or how it moves, and are not read.
-const MOVING: [&str; 24] = [
-    "LN", "SPL", "FL", "FLT", "FC", "FCT", "FPOL", "FLP", "FSELECT", "APPR", "DEP", "FUNCTION", "PLANE",
-    "SEL", "CONTOUR", "TCH", "TRANS", "PRESET", "TABDATA", "DECLARE", "SECTION", "CORRDATA", "POLARKIN",
-    "PATTERN",
+const MOVING: [&str; 22] = [
+    "LN", "SPL", "FL", "FLT", "FC", "FCT", "FPOL", "FLP", "FSELECT", "FUNCTION", "PLANE", "SEL", "CONTOUR",
+    "TCH", "TRANS", "PRESET", "TABDATA", "DECLARE", "SECTION", "CORRDATA", "POLARKIN", "PATTERN",
 ];
 
 impl<'a> Execution<'a, '_> {
@@ -46,19 +44,21 @@ impl<'a> Execution<'a, '_> {
         if self.runs_in_path(block, cursor, after, keyword) {
             return;
         }
+        self.drop_approach();
         self.settle();
         match keyword {
             b"BEGIN" if cursor.phrase("BEGIN PGM") => self.begin_program(block, &mut cursor),
             b"END" if cursor.phrase("END PGM") => self.end_program(),
             b"TOOL" if cursor.phrase("TOOL CALL") => self.call_tool(block, &mut cursor),
+            b"TOOL" if cursor.phrase("TOOL DEF") => self.define_tool(block, &mut cursor),
             b"CYCL" if cursor.phrase("CYCL DEF") => self.define_cycle(block, &mut cursor),
             b"CYCL" if cursor.phrase("CYCL CALL") => self.call_cycles(block, &mut cursor),
             b"PATTERN" if cursor.phrase("PATTERN DEF") => self.define_pattern(block, &mut cursor),
             b"TRANS" if cursor.phrase("TRANS DATUM AXIS") => self.shift_datum(block, &mut cursor),
             b"TRANS" if cursor.phrase("TRANS DATUM RESET") => self.reset_shift(block, &mut cursor),
             b"FUNCTION" if cursor.phrase("FUNCTION DWELL TIME") => self.dwell_words(block, &mut cursor),
-            b"PLANE" if cursor.phrase("PLANE RESET") => self.reset_plane(block, &mut cursor),
-            b"PLANE" if self.is_plane_level(&mut cursor) => self.reset_plane(block, &mut cursor),
+            b"PLANE" if cursor.phrase("PLANE RESET") => self.reset_plane(block, &mut cursor, false),
+            b"PLANE" if self.is_plane_level(&mut cursor) => self.reset_plane(block, &mut cursor, true),
             b"STOP" | b"M" => {
                 let at = if keyword == b"STOP" { after.at } else { cursor.at };
                 self.functions_alone(block, Cursor { at, ..cursor });
@@ -79,6 +79,8 @@ impl<'a> Execution<'a, '_> {
             b"L" | b"LP" => self.straight(block, &mut after, keyword == b"LP"),
             b"X" | b"Y" | b"Z" | b"IX" | b"IY" | b"IZ" => self.straight(block, &mut cursor, false),
             b"C" | b"CR" | b"CT" | b"CP" | b"CTP" => self.circle(block, &mut after, keyword),
+            b"APPR" => self.approach(block, &mut after),
+            b"DEP" => self.depart(block, &mut after),
             b"CC" => self.set_pole(block, &mut after),
             b"RND" | b"RNDR" => {
                 after.at = cursor.at + 3;
@@ -142,7 +144,8 @@ impl<'a> Execution<'a, '_> {
     }
 
     /// `PLANE RESET`: the plane of the program is not tilted. Where rotary axes turn, the place is lost.
-    fn reset_plane(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
+    fn reset_plane(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>, states_angles: bool) {
+        self.parameters.is_level = states_angles;
         let rest = &cursor.text[cursor.at..];
         let has = |word: &[u8]| rest.windows(word.len()).any(|part| part == word);
         if has(b"MOVE") || has(b"TURN") {
@@ -166,7 +169,7 @@ impl<'a> Execution<'a, '_> {
 
     fn leave_or_refuse(&mut self, block: &Block<'a>, mut cursor: Cursor<'_>, keyword: &[u8]) {
         if let Some(words) = LEFT_ALONE.into_iter().find(|words| cursor.phrase(words)) {
-            let is_open = matches!(words, "BLK FORM" | "TOOL DEF") || words.contains("DWELL");
+            let is_open = words == "BLK FORM" || words.contains("DWELL");
             if !is_open && !words.contains("PULSE") && !words.contains("COUNT") {
                 self.expect_end(block, &mut cursor);
             }

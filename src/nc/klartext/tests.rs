@@ -1,5 +1,6 @@
 //! Klartext programs against closed forms.
 
+mod approach;
 mod cycles;
 mod datum;
 mod flow;

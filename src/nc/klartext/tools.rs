@@ -12,6 +12,9 @@ use crate::fault::Fault;
 /// The largest number of a tool.
 const MAX_TOOL: f64 = 99_999_999.0;
 
+/// Differences of radii that count as none, mm: well below every unit of a program.
+const SAME_RADIUS_MM: f64 = 1e-6;
+
 /// What a tool call names.
 enum Tool {
     Number(u32),
@@ -47,6 +50,37 @@ impl<'a> Execution<'a, '_> {
             // The tools have different lengths along the axis of the tool.
             self.machine.at[self.machine.plane.axes()[2]] = None;
             self.forget_tangent();
+        }
+    }
+
+    /// `TOOL DEF 1 L+0 R+10`. Where the path of the centre is computed, its radius has to be the one of the
+    /// request.
+    pub(super) fn define_tool(&mut self, block: &Block<'a>, cursor: &mut Cursor<'_>) {
+        self.machine.left.add("TOOL DEF", block.line().number);
+        let tool = match self.tool(cursor) {
+            Ok(tool) => tool,
+            Err(broken) => return self.refuse_broken(block, broken),
+        };
+        while !cursor.is_done() {
+            let start = cursor.at;
+            let is_radius = cursor.letters("R");
+            if !is_radius && !cursor.letters("L") {
+                return self.refuse(block, [start, cursor.word_end()], Fault::UnusedWord);
+            }
+            let mm = match cursor.value(&self.parameters) {
+                Ok(value) => value * self.machine.unit_mm(),
+                Err(broken) => return self.refuse_broken(block, Broken { start, ..broken }),
+            };
+            let number = match &tool {
+                Some(Tool::Number(number)) => Some(*number),
+                _ => None,
+            };
+            if let (true, Some(given)) = (is_radius, self.machine.given_radius(number))
+                && given.is_none_or(|given| (given - mm).abs() > SAME_RADIUS_MM)
+            {
+                let by = mm - given.unwrap_or(0.0);
+                self.refuse(block, [start, cursor.at], Fault::ChangesTool(by));
+            }
         }
     }
 

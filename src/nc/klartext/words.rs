@@ -21,6 +21,10 @@ pub enum Sort {
     Side,
     Feed,
     Function,
+    /// LEN of APPR and DEP.
+    Length,
+    /// CCA of APPR and DEP.
+    CenterAngle,
 }
 
 /// The words of a block.
@@ -34,6 +38,9 @@ pub struct Words {
     pub polar_angle: Option<Coordinate>,
     /// In mm, with its bytes.
     pub radius: Option<(f64, [usize; 2])>,
+    /// LEN, mm, and CCA, degrees.
+    pub length: Option<f64>,
+    pub center_angle: Option<f64>,
     pub turn: Option<Direction>,
     pub side: Option<(Option<Side>, [usize; 2])>,
     pub feed: Option<Feed>,
@@ -43,6 +50,13 @@ pub struct Words {
     pub retracts: bool,
     /// A word has been refused, or has no value.
     pub is_broken: bool,
+}
+
+impl Words {
+    /// Whether a word states a place.
+    pub fn moves(&self) -> bool {
+        self.axes != [None; 3] || self.polar_radius.is_some() || self.polar_angle.is_some()
+    }
 }
 
 /// The feed that a block states.
@@ -107,6 +121,14 @@ impl<'a> Execution<'a, '_> {
         }
         if let Some(name) = ["IPR", "IPA", "PR", "PA"].into_iter().find(|name| cursor.letters(name)) {
             return self.polar_word(cursor, words, name, start);
+        }
+        if cursor.letters("LEN") {
+            let mm = cursor.value(&self.parameters)? * self.machine.unit_mm();
+            return once(&mut words.length, mm, start, cursor).map(|()| Sort::Length);
+        }
+        if cursor.letters("CCA") {
+            let degrees = cursor.value(&self.parameters)?;
+            return once(&mut words.center_angle, degrees, start, cursor).map(|()| Sort::CenterAngle);
         }
         if let Some(side) = side_word(cursor) {
             return once(&mut words.side, (side, [start, cursor.at]), start, cursor).map(|()| Sort::Side);

@@ -47,6 +47,8 @@ pub struct Compensation {
     /// Where the tool really is.
     pub(super) tip: Point3<f64>,
     pub(super) waiting: Option<Waiting>,
+    /// The tool stands beside the start of the first block.
+    pub(super) is_beside: bool,
 }
 
 /// A block that waits for the next.
@@ -126,6 +128,7 @@ impl Compensation {
             }
             None => {
                 let entry = match &step.curve {
+                    _ if std::mem::take(&mut self.is_beside) => Entry::No,
                     Curve::Line(_) => Entry::Straight,
                     Curve::Arc(arc) if corners.begins_along => {
                         Entry::Arc(self.entry_arc(arc).map_err(|fault| (step.line, fault))?)

@@ -60,12 +60,28 @@ impl Machine<'_> {
                 }
                 _ => continue,
             };
-            let before = self.frames.frame();
-            self.frames.select(number, &mut self.at);
-            if before != self.frames.frame() && self.record.has_moves() {
-                self.note(Note::UnrelatedOffset { line: line.number, offset: name(number) });
-            }
+            self.select_offset(line, number);
         }
+    }
+
+    /// A work offset comes into force, with its turn.
+    pub(super) fn select_offset(&mut self, line: Line<'_>, number: u32) {
+        let before = self.frames.frame();
+        self.frames.select(number, &mut self.at);
+        if before != self.frames.frame() && self.record.has_moves() {
+            self.note(Note::UnrelatedOffset { line: line.number, offset: name(number) });
+        }
+        self.turn_with_offset(line);
+    }
+
+    /// Refuses a shift by G52, G92 or G10 L20 where a turn of the work offset is in force: the turn would
+    /// take the shift along.
+    fn excludes_turn(&mut self, line: Line<'_>) -> bool {
+        let is_turned = self.frames.degrees() != 0.0;
+        if is_turned {
+            self.refuse(line.refused(Fault::ShiftInTurn));
+        }
+        is_turned
     }
 
     /// The lengths of the axis words of a block, mm.
@@ -81,6 +97,11 @@ impl Machine<'_> {
             return;
         };
         let number = block.take(b'P').map(|slot| slot.value);
+        let is_known = [0.0, 1.0, 2.0, 10.0, 11.0, 20.0].contains(&kind.value);
+        if self.control.is(Family::LinuxCnc) && !is_known {
+            block.use_up(b"XYZRIJKQABCD");
+            return self.refuse_word(line, kind, Fault::OutOfRange(kind.value));
+        }
         let follows_linuxcnc = self.control.is_strict || self.control.is(Family::Mach);
         let is_offset = kind.value == 2.0 || kind.value == 20.0;
         if !is_offset {
@@ -92,13 +113,23 @@ impl Machine<'_> {
             }
             return;
         }
-        if let Some(slot) = block.take(b'R').filter(|slot| slot.value != 0.0) {
-            // R turns the coordinates.
-            self.refuse_word(line, slot, Fault::NotRead);
+        let turn = block.take(b'R');
+        if let Some(slot) = turn {
+            let is_linuxcnc = self.control.is(Family::LinuxCnc);
+            if is_linuxcnc && kind.value == 20.0 {
+                self.refuse_word(line, slot, Fault::UnusedWord);
+            } else if !is_linuxcnc && slot.value != 0.0 {
+                self.refuse_word(line, slot, Fault::NotRead);
+            }
+        }
+        if kind.value == 20.0 && self.excludes_turn(line) {
+            block.use_up(&AXES);
+            return;
         }
         let extended = kind.value == 20.0 && !follows_linuxcnc;
+        let last = if self.control.is(Family::LinuxCnc) { 9.0 } else { 300.0 };
         let number = match number {
-            Some(number) if number.fract() != 0.0 || !(0.0..=300.0).contains(&number) => None,
+            Some(number) if number.fract() != 0.0 || !(0.0..=last).contains(&number) => None,
             Some(0.0) if follows_linuxcnc => Some(self.frames.active()),
             // P0 moves the zeros of all work offsets.
             Some(0.0) | None => None,
@@ -124,6 +155,10 @@ impl Machine<'_> {
             }
         }
         self.note_frames(line, before);
+        if let Some(slot) = turn.filter(|_| self.control.is(Family::LinuxCnc)) {
+            self.frames.turn(number, slot.value);
+            self.turn_with_offset(line);
+        }
     }
 
     fn note_frames(&mut self, line: Line<'_>, before: [u32; 3]) {
@@ -134,7 +169,8 @@ impl Machine<'_> {
 
     /// G52: a zero beside the work offset's.
     pub(super) fn shift_locally(&mut self, line: Line<'_>, block: &mut Block) {
-        if self.lacks_axes(line, block) {
+        if self.lacks_axes(line, block) || self.excludes_turn(line) {
+            block.use_up(&AXES);
             return;
         }
         for (axis, length) in self.axis_lengths(line, block).into_iter().enumerate() {
@@ -155,7 +191,8 @@ impl Machine<'_> {
 
     /// G92: the coordinates of where the tool stands.
     pub(super) fn set_place(&mut self, line: Line<'_>, block: &mut Block) {
-        if self.lacks_axes(line, block) {
+        if self.lacks_axes(line, block) || self.excludes_turn(line) {
+            block.use_up(&AXES);
             return;
         }
         let before = self.frames.frame();

@@ -7,7 +7,7 @@ use toolpathd_core::toolpath::path::PathError;
 use toolpathd_core::toolpath::units::FeedRate;
 
 use super::compensation::{Between, Compensation, Corners, Drive, Failure, MAX_BETWEEN, SAME_PLACE_MM, Step};
-use super::{Block, Code, Correction, Family, Fault, Line, Machine, Meaning, Note, Side, WordValue};
+use super::{Block, Code, Correction, Cutter, Family, Fault, Line, Machine, Meaning, Note, Side, WordValue};
 use crate::fault::Refusal;
 
 /// Largest radius, mm.
@@ -55,6 +55,8 @@ impl Machine<'_> {
                 | Meaning::Cycle(_)
                 | Meaning::Turn
                 | Meaning::TurnEnd
+                | Meaning::Tilt
+                | Meaning::AlongPlane
                 | Meaning::Scale
                 | Meaning::ScaleEnd
                 | Meaning::Mirror(_)
@@ -75,6 +77,14 @@ impl Machine<'_> {
 
     pub(crate) fn computes_compensation(&self) -> bool {
         matches!(self.setting.correction, Correction::Computed(_))
+    }
+
+    /// The radius that the caller gives for a tool, if the path of the centre is computed.
+    pub(crate) fn given_radius(&self, number: Option<u32>) -> Option<Option<f64>> {
+        match self.setting.correction {
+            Correction::Computed(cutters) => Some(radius_among(cutters, number)),
+            _ => None,
+        }
     }
 
     /// Refuses what the control does not run under compensation, such as a cycle, and ends the compensation.
@@ -99,10 +109,7 @@ impl Machine<'_> {
             }
             Correction::Computed(cutters) => cutters,
         };
-        let of = |number: Option<u32>| {
-            let own = cutters.iter().find(|cutter| cutter.number.is_some() && cutter.number == number);
-            own.or(cutters.iter().find(|cutter| cutter.number.is_none())).map(|cutter| cutter.radius_mm)
-        };
+        let of = |number: Option<u32>| radius_among(cutters, number);
         let radius_mm = match radius {
             Radius::Stated(radius_mm) => Some(radius_mm),
             Radius::Numbered(slot) if slot.value == 0.0 => Some(0.0),
@@ -155,8 +162,44 @@ impl Machine<'_> {
         self.compensation.as_ref().is_some_and(|own| own.side == side && own.radius_mm == radius_mm)
     }
 
+    /// The radius of the tool in the spindle, by which an approach keeps off its contour. `None` has been
+    /// refused. A path of the centre has no radius.
+    pub(crate) fn approach_radius(&mut self, line: Line<'_>, [start, end]: [usize; 2]) -> Option<f64> {
+        let fault = match self.setting.correction {
+            Correction::Refused => Fault::Compensation,
+            Correction::Wear => {
+                self.note_first(Note::CompensationAsWear { line: line.number });
+                return Some(0.0);
+            }
+            Correction::Computed(cutters) => {
+                let own = radius_among(cutters, self.tool());
+                match own.filter(|radius| (0.0..=MAX_RADIUS_MM).contains(radius)) {
+                    Some(radius_mm) => return Some(radius_mm),
+                    None => Fault::UnknownRadius,
+                }
+            }
+        };
+        self.refuse(line.refusal(start, end, fault));
+        None
+    }
+
+    /// Compensation begins where the tool stands already beside the start of the next block.
+    pub(crate) fn compensate_from_here(&mut self, line: Line<'_>, side: Side, radius_mm: f64) {
+        self.start_compensation(line, side, radius_mm);
+        if let Some(compensation) = &mut self.compensation {
+            compensation.is_beside = true;
+        }
+    }
+
+    /// The place of the tool becomes the one beside the contour, where compensation has ended.
+    pub(crate) fn stand_beside(&mut self) {
+        if let Some(shift) = self.displaced.take() {
+            self.at = [0, 1, 2].map(|k| self.at[k].map(|at| at + shift[k]));
+        }
+    }
+
     /// The side where the contour lies: a mirror exchanges the sides.
-    fn side_placed(&self, side: Side) -> Side {
+    pub(crate) fn side_placed(&self, side: Side) -> Side {
         match self.placement.in_plane(self.plane) {
             Some((_, true)) => side.other(),
             _ => side,
@@ -171,7 +214,8 @@ impl Machine<'_> {
             Ok(place) => place + self.displaced.take().unwrap_or_default(),
             Err(axis) => return self.refuse_state(line, Fault::UnknownStart(axis)),
         };
-        self.compensation = Some(Compensation { side, radius_mm, plane: self.plane, tip, waiting: None });
+        self.compensation =
+            Some(Compensation { side, radius_mm, plane: self.plane, tip, waiting: None, is_beside: false });
         if self.control.is(Family::Fanuc) {
             self.note_first(Note::CompensationComputed { line: line.number, radius_mm });
         }
@@ -230,6 +274,12 @@ impl Machine<'_> {
     fn refuse_failure(&mut self, (line, fault): Failure) {
         self.refuse(Refusal { line, column: 1, word: String::new(), fault });
     }
+}
+
+/// The radius of a tool: its own, else the one of all tools.
+fn radius_among(cutters: &[Cutter], number: Option<u32>) -> Option<f64> {
+    let own = cutters.iter().find(|cutter| cutter.number.is_some() && cutter.number == number);
+    own.or(cutters.iter().find(|cutter| cutter.number.is_none())).map(|cutter| cutter.radius_mm)
 }
 
 /// Where the radius of a compensation comes from.

@@ -7,7 +7,9 @@
 use nalgebra::Point3;
 use toolpathd_core::geometry::plane::Plane;
 
-use super::{AXES, At, Block, Code, Fault, Line, Machine, Meaning, Note, OFFSETS, WithoutPoint, WordValue};
+use super::{
+    AXES, At, Block, Code, Family, Fault, Line, Machine, Meaning, Note, OFFSETS, WithoutPoint, WordValue,
+};
 use crate::placement::{Coordinate, Placement, sine_and_cosine};
 
 /// What stands between the coordinates of a program and those of its work offset.
@@ -18,6 +20,8 @@ pub struct Placing {
     /// The coordinate about which each axis is mirrored, mm.
     mirrors: [Option<f64>; 3],
     polar: Option<Polar>,
+    /// G68.2 is in force, with a plane that is level.
+    has_plane: bool,
 }
 
 /// Polar coordinates in force: the pole, and the last radius and angle.
@@ -31,7 +35,13 @@ struct Polar {
 
 impl Placing {
     pub fn plain() -> Self {
-        Self { turn: Placement::plain(), scale: Placement::plain(), mirrors: [None; 3], polar: None }
+        Self {
+            turn: Placement::plain(),
+            scale: Placement::plain(),
+            mirrors: [None; 3],
+            polar: None,
+            has_plane: false,
+        }
     }
 
     /// Mirrors and scales alone.
@@ -57,14 +67,21 @@ impl Machine<'_> {
                 Meaning::Turn => self.begin_turn(line, block, *code),
                 Meaning::Scale => self.begin_scale(line, block, *code),
                 Meaning::Mirror(is_on) => self.mirror(line, block, *code, *is_on),
-                Meaning::TurnEnd => self.placing.turn = Placement::plain(),
+                Meaning::Tilt => self.begin_plane(line, block, *code),
+                Meaning::AlongPlane => {
+                    self.face_plane(line, *code);
+                    continue;
+                }
+                Meaning::TurnEnd => {
+                    (self.placing.turn, self.placing.has_plane) = (Placement::plain(), false);
+                }
                 Meaning::ScaleEnd => self.placing.scale = Placement::plain(),
                 Meaning::Polar => self.begin_polar(line, *code),
                 Meaning::PolarEnd => self.placing.polar = None,
                 _ => continue,
             }
             self.placement = self.placing.turn.of(&self.placing.without_turn());
-            if matches!(meaning, Meaning::Turn | Meaning::Scale | Meaning::Mirror(_)) {
+            if matches!(meaning, Meaning::Turn | Meaning::Tilt | Meaning::Scale | Meaning::Mirror(_)) {
                 return true;
             }
         }
@@ -108,6 +125,10 @@ impl Machine<'_> {
     fn begin_turn(&mut self, line: Line<'_>, block: &mut Block, code: Code) {
         let [a, b, n] = self.plane.axes();
         let angle = block.take(b'R');
+        if self.placing.has_plane {
+            block.use_up(b"XYZIJK");
+            return self.refuse_code(line, code, Fault::Conflict);
+        }
         if block.has(&[AXES[n]]) || block.has(&OFFSETS) {
             // Turns in space.
             block.use_up(b"XYZIJK");
@@ -127,6 +148,46 @@ impl Machine<'_> {
         let about = self.placing.without_turn().place(&[0, 1, 2].map(|k| Some(center[k])));
         let about = Point3::from(about.map(Option::unwrap_or_default));
         self.placing.turn = Placement::turned(self.plane, about, degrees);
+    }
+
+    /// G68.2 with angles of zero: the zero moves to X, Y and Z. With another angle the plane is tilted.
+    fn begin_plane(&mut self, line: Line<'_>, block: &mut Block, code: Code) {
+        let words = AXES.map(|letter| block.take(letter));
+        let angles = OFFSETS.map(|letter| block.take(letter));
+        let others = [b'P', b'Q', b'R'].map(|letter| block.take(letter));
+        let tilts = angles.iter().chain(&others).flatten().any(|slot| slot.value != 0.0);
+        let is_placed = self.placing.has_plane || !self.placement.is_plain();
+        if tilts || is_placed {
+            return self.refuse_code(line, code, if tilts { Fault::Tilted } else { Fault::Conflict });
+        }
+        if !self.is_absolute && words.iter().flatten().any(|slot| slot.value != 0.0) {
+            return self.refuse_code(line, code, Fault::IncrementalCenter);
+        }
+        let shift = words.map(|slot| slot.map_or(0.0, |slot| self.length_mm(line, slot)));
+        self.placing.turn = Placement::shifted(shift.into());
+        self.placing.has_plane = true;
+    }
+
+    /// G53.1: the tool is turned to the plane of G68.2. To a level plane it stands upright already.
+    fn face_plane(&mut self, line: Line<'_>, code: Code) {
+        if self.placing.has_plane {
+            self.leave_code(line, 'G', code.tenths);
+        } else {
+            self.refuse_code(line, code, Fault::Tilted);
+        }
+    }
+
+    /// The coordinates turn with the work offset in force.
+    pub(super) fn turn_with_offset(&mut self, line: Line<'_>) {
+        if !self.control.is(Family::LinuxCnc) {
+            return;
+        }
+        let degrees = self.frames.degrees();
+        if degrees != 0.0 && self.frames.is_shifted() {
+            return self.refuse(line.refused(Fault::ShiftInTurn));
+        }
+        self.placing.turn = Placement::turned(Plane::Xy, Point3::origin(), degrees);
+        self.placement = self.placing.turn.of(&self.placing.without_turn());
     }
 
     /// What the number of an angle is multiplied by: least increments are thousandths of a degree.

@@ -234,11 +234,16 @@ impl<'a> Mill<'a, '_> {
     }
 
     /// CIP: the arc through a point, in one of the three planes.
-    pub(super) fn arc_through_point(&mut self, line: Line<'a>, block: &Block, to: At) {
+    pub(super) fn arc_through_point(&mut self, line: Line<'a>, block: &Block, to: At, has_shifted: bool) {
         let mut coordinates = [None; 3];
         for (axis, coordinate) in coordinates.iter_mut().enumerate() {
             if let Some(given) = &block.middles[axis] {
                 *coordinate = Some(self.coordinate(line, given));
+                // The end has taken the change of a zero; whether the point does so, too, is not certain.
+                if has_shifted && matches!(coordinate, Some(Coordinate::Relative(_))) {
+                    self.refuse(line, [given.start, given.end], Fault::IncrementOfNewZero);
+                    return self.lose_place();
+                }
             }
         }
         if coordinates == [None; 3] {

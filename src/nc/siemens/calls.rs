@@ -54,7 +54,8 @@ impl<'a> Execution<'a, '_> {
             "RET" => self.stop(line.refusal(at, last, Fault::NotRead)),
             "SETAL" => self.stop(line.refusal(at, last, Fault::Alarm)),
             "MCALL" => self.meet_mcall(line, end),
-            "HOLES1" | "HOLES2" => self.pattern(line, &name, at, end),
+            "CALL" => self.call_by_text(line, at, end),
+            "HOLES1" | "HOLES2" | "CYCLE801" | "CYCLE802" => self.pattern(line, &name, at, end),
             "CYCLE800" => self.swivel(line, at, end),
             _ if self.text.program(&name).is_some() => self.call(line, &name, at, end),
             _ => return self.run_cycle(line, &name, at, end),
@@ -100,11 +101,16 @@ impl<'a> Execution<'a, '_> {
         if rest < last {
             return self.stop(line.refusal(rest, last, Fault::UnusedWord));
         }
-        if self.calls.len() >= MAX_CALLS {
-            return self.stop(line.refused(Fault::DeepCalls(MAX_CALLS)));
-        }
         if times == 0 {
             return;
+        }
+        self.enter(line, within, arguments, times);
+    }
+
+    /// Begins a program that is called.
+    pub(super) fn enter(&mut self, line: Line<'a>, within: Range<usize>, arguments: Arguments, times: u32) {
+        if self.calls.len() >= MAX_CALLS {
+            return self.stop(line.refused(Fault::DeepCalls(MAX_CALLS)));
         }
         if !arguments.is_empty() && !self.has_proc(&within) {
             return self.stop(line.refused(Fault::BadExpression));
@@ -141,6 +147,7 @@ impl<'a> Execution<'a, '_> {
         } else if let Some(call) = self.calls.pop() {
             self.next = call.back;
             self.within = call.within;
+            self.leave_modal_program();
         }
     }
 
@@ -276,7 +283,7 @@ impl<'a> Execution<'a, '_> {
     fn meet_mcall(&mut self, line: Line<'a>, at: usize) {
         let (at, last) = (blanks(line.text, at), comment_start(line.text));
         if at >= last {
-            self.mill.modal_cycle = None;
+            (self.mill.modal_cycle, self.modal_program) = (None, None);
             return;
         }
         let Some((name, end)) = name_at(line.text, at) else {
@@ -284,9 +291,9 @@ impl<'a> Execution<'a, '_> {
         };
         let Some((arguments, end)) = self.arguments(line, end, false) else { return };
         match cycle(&name, &arguments, [at, end]) {
-            Some(Ok(cycle)) => self.mill.modal_cycle = Some(cycle),
+            Some(Ok(cycle)) => (self.mill.modal_cycle, self.modal_program) = (Some(cycle), None),
             Some(Err(fault)) => self.stop(line.refusal(at, last, fault)),
-            None => self.stop(line.refusal(at, last, Fault::NotRead)),
+            None => self.begin_modal_program(line, &name, arguments, [at, end]),
         }
     }
 
@@ -318,8 +325,10 @@ impl<'a> Execution<'a, '_> {
 
     fn pattern(&mut self, line: Line<'a>, name: &str, at: usize, end: usize) {
         let Some((arguments, end)) = self.arguments(line, end, false) else { return };
-        let Some(numbers) = self.numbers(line, at, &arguments) else { return };
-        self.mill.run_pattern(line, name, &numbers, [at, end]);
+        if self.modal_program.is_some() {
+            return self.stop(line.refusal(at, end, Fault::NotRead));
+        }
+        self.mill.run_pattern(line, name, &arguments, [at, end]);
     }
 
     /// CYCLE800 without any angle or shift ends a tilted plane. Others are refused.

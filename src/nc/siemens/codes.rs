@@ -226,7 +226,7 @@ pub fn is_left_value(name: &str) -> bool {
 
 /// Names of values that blocks use.
 pub const VALUES: &[&str] =
-    &["AP", "AR", "CHF", "CHR", "CR", "FP", "FRC", "FRCM", "RND", "RNDM", "RP", "RPL", "TURN"];
+    &["ANG", "AP", "AR", "CHF", "CHR", "CR", "FP", "FRC", "FRCM", "RND", "RNDM", "RP", "RPL", "TURN"];
 
 /// Words of the language that this reader does not read.
 const NOT_READ: &[&str] = &[
@@ -277,7 +277,6 @@ const NOT_READ: &[&str] = &[
     "TANG",
     "TANGON",
     "SAVE",
-    "CALL",
     "EXTCALL",
     "ISOCALL",
     "PCALL",
@@ -291,7 +290,6 @@ const NOT_READ: &[&str] = &[
     "CUT3DFS",
     "CUT3DCC",
     "OFFN",
-    "ANG",
     "TOFFON",
     "TOFFOF",
     "TOFFL",

@@ -1,9 +1,8 @@
-//! The moves of drilling cycles, and patterns of holes.
+//! The moves of drilling cycles.
 //!
 //! # Method
 //! 1. Rapid along the normal to the safety clearance above the reference plane.
 //! 2. To the depth as the cycle says, and back to the retraction plane.
-//! 3. A pattern moves by rapids from hole to hole. The modal cycle runs at each.
 
 use super::Mill;
 use super::cycles::{Cycle, Heights, Kind};
@@ -13,9 +12,8 @@ use crate::fault::Fault;
 use crate::notes::Note;
 use crate::placement::Coordinate;
 
-/// Most pecks of one hole, and most holes of one pattern. More would be an error of the program.
+/// Most pecks of one hole. More would be an error of the program.
 const MAX_PECKS: usize = 100_000;
-const MAX_HOLES: f64 = 10_000.0;
 
 /// The way back by which CYCLE83 breaks chips, unless _VRT says another, mm.
 const CHIP_BREAK_MM: f64 = 1.0;
@@ -80,7 +78,7 @@ impl<'a> Mill<'a, '_> {
         let normal = self.machine.plane.axes()[2];
         let mut coordinates = [None; 3];
         coordinates[normal] = Some(Coordinate::Absolute(height));
-        self.is_stale[normal] = false;
+        self.owed[normal] = Some(0.0);
         self.machine.placed(coordinates)
     }
 
@@ -278,65 +276,6 @@ impl<'a> Mill<'a, '_> {
         let mut up = self.at_height(heights.retraction);
         (up[a], up[b]) = (hole[a], hole[b]);
         self.machine.rapid(line, up);
-    }
-
-    /// HOLES1 and HOLES2. Parameters that are not known are refused.
-    pub fn run_pattern(&mut self, line: Line<'a>, name: &str, values: &[f64], span: [usize; 2]) {
-        self.settle(line);
-        self.tangent = None;
-        self.assume_units(line);
-        let unit = self.machine.unit_mm();
-        let value = |index: usize| values.get(index).copied().unwrap_or(0.0);
-        let n_holes = value(5);
-        let is_more = values.iter().skip(6).any(|value| *value != 0.0);
-        if is_more || !(n_holes.fract() == 0.0 && (1.0..=MAX_HOLES).contains(&n_holes)) {
-            self.refuse(line, span, Fault::CycleParameter(if is_more { "behind NUM" } else { "NUM" }));
-            return self.lose_place();
-        }
-        let n_holes = n_holes as usize;
-        if !self.count(line, n_holes) {
-            return;
-        }
-        let [x, y] = [value(0) * unit, value(1) * unit];
-        let along = |degrees: f64, mm: f64| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            [x + mm * cos, y + mm * sin]
-        };
-        let mut holes: Vec<[f64; 2]> = (0..n_holes)
-            .map(|k| match name {
-                "HOLES1" => along(value(2), (value(3) + value(4) * k as f64) * unit),
-                _ => {
-                    let step = if value(4) == 0.0 { 360.0 / n_holes as f64 } else { value(4) };
-                    along(value(3) + step * k as f64, value(2) * unit)
-                }
-            })
-            .collect();
-        if name == "HOLES1" && self.is_nearer_to_last(&holes) {
-            holes.reverse();
-        }
-        let [a, b, _] = self.machine.plane.axes();
-        for [x, y] in holes {
-            let mut coordinates = [None; 3];
-            (coordinates[a], coordinates[b]) = (Some(Coordinate::Absolute(x)), Some(Coordinate::Absolute(y)));
-            (self.is_stale[a], self.is_stale[b]) = (false, false);
-            let to = self.machine.placed(coordinates);
-            self.machine.rapid(line, to);
-            if let Some(cycle) = self.modal_cycle.clone() {
-                self.run_cycle(line, &cycle);
-            }
-            if self.machine.is_full() {
-                return;
-            }
-        }
-    }
-
-    /// HOLES1 begins at the end of the row that is nearer.
-    fn is_nearer_to_last(&self, holes: &[[f64; 2]]) -> bool {
-        let [a, b, _] = self.machine.plane.axes();
-        let at = self.in_program();
-        let (Some(x), Some(y)) = (at[a], at[b]) else { return false };
-        let way = |hole: Option<&[f64; 2]>| hole.map_or(0.0, |[u, v]| (u - x).hypot(v - y));
-        way(holes.last()) < way(holes.first()) - 1e-9
     }
 }
 

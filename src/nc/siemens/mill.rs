@@ -41,7 +41,7 @@ impl<'a, 'm> Mill<'a, 'm> {
             called_tool: None,
             t_changes,
             edge: None,
-            is_stale: [false; 3],
+            owed: [Some(0.0); 3],
             pending: None,
             rounding: 0.0,
             corner_feed: None,
@@ -50,6 +50,7 @@ impl<'a, 'm> Mill<'a, 'm> {
             written_zeros: Vec::new(),
             has_selected: false,
             has_moved: false,
+            moves: false,
             is_transformed: false,
             n_repeated: 0,
         }
@@ -88,6 +89,7 @@ impl<'a, 'm> Mill<'a, 'm> {
 
     /// Runs the words of a block.
     pub fn run(&mut self, line: Line<'a>, block: &Block) -> Next {
+        self.moves = false;
         self.check(line, block);
         for refusal in &block.refusals {
             self.machine.refuse(refusal.clone());
@@ -261,16 +263,21 @@ impl<'a, 'm> Mill<'a, 'm> {
         }
         self.has_selected = true;
         let frames = self.machine.frames.frame();
-        let has_moved = |k: usize| before[k] != frames[k] || shifts[k] != self.machine.frames.shift(k);
-        let moved = [0, 1, 2].map(has_moved);
-        if moved.contains(&true) {
-            self.change_zero(moved);
+        let by = [0, 1, 2].map(|k| self.machine.frames.shift(k) - shifts[k]);
+        if before != frames || by != [0.0; 3] {
+            // In coordinates of the program, which a frame may turn.
+            let [from, to] = [[0.0; 3], by].map(|shift| Placement::shifted(shift.into()));
+            let [from, to] = [from, to].map(|shift| shift.of(&self.machine.placement));
+            let is_known = before == frames;
+            self.change_zero([true; 3], to.shift_since(&from).filter(|_| is_known));
         }
     }
 
-    /// The zero of the program has moved.
-    pub(super) fn change_zero(&mut self, axes: [bool; 3]) {
-        self.is_stale = [0, 1, 2].map(|k| self.is_stale[k] || axes[k]);
+    /// The zero of the program has moved along the axes: by a shift, mm of the program, or otherwise.
+    pub(super) fn change_zero(&mut self, axes: [bool; 3], by: Option<[f64; 3]>) {
+        for axis in (0..3).filter(|axis| axes[*axis]) {
+            self.owed[axis] = self.owed[axis].zip(by).map(|(owed, by)| owed + by[axis]);
+        }
         self.tangent = None;
         if self.pole != Some([0.0; 2]) {
             self.pole = None;
@@ -304,9 +311,11 @@ impl<'a, 'm> Mill<'a, 'm> {
                 _ => {}
             }
         }
-        let moves = self.move_by(line, block);
-        self.has_moved |= moves;
-        if moves && let Some(cycle) = self.modal_cycle.clone() {
+        self.moves = self.move_by(line, block);
+        self.has_moved |= self.moves;
+        if self.moves
+            && let Some(cycle) = self.modal_cycle.clone()
+        {
             self.settle(line);
             self.run_cycle(line, &cycle);
         }
@@ -332,9 +341,9 @@ impl<'a, 'm> Mill<'a, 'm> {
         let before = std::mem::replace(&mut self.machine.placement, placement);
         let differs = |k: usize| {
             let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-            corners.iter().any(|p| before.place(&p.map(Some))[k] != placement.place(&p.map(Some))[k])
+            corners.iter().any(|p| before.back(&p.map(Some))[k] != placement.back(&p.map(Some))[k])
         };
-        self.change_zero([0, 1, 2].map(differs));
+        self.change_zero([0, 1, 2].map(differs), placement.shift_since(&before));
     }
 
     /// One coordinate of a block, mm.

@@ -7,7 +7,8 @@ use super::corner::{Corner, Kind, Shape};
 use crate::block::Line;
 use crate::fault::Fault;
 use crate::machine::At;
-use crate::placement::Coordinate;
+use crate::notes::Note;
+use crate::placement::{Coordinate, sine_and_cosine};
 
 impl<'a> Mill<'a, '_> {
     /// Moves as the words of the block say. Whether the block moves.
@@ -20,6 +21,11 @@ impl<'a> Mill<'a, '_> {
         let motion = self.motion.filter(|_| moves);
         self.refuse_unused(line, block, motion);
         if !moves {
+            if let Some(given) = block.value("ANG") {
+                self.refuse(line, [given.start, given.end], Fault::NotRead);
+                self.lose_place();
+                return true;
+            }
             if block.has(Meaning::OnMachine) {
                 self.machine.left.add("G53, G153 or SUPA", line.number);
             }
@@ -34,6 +40,7 @@ impl<'a> Mill<'a, '_> {
             self.move_on_machine(line, block, motion);
             return true;
         }
+        let has_shifted = self.owed != [Some(0.0); 3];
         let Some(to) = self.target(line, block, is_polar) else {
             self.lose_place();
             return true;
@@ -42,7 +49,7 @@ impl<'a> Mill<'a, '_> {
             Motion::Rapid => self.rapid(line, to),
             Motion::Line => self.cut(line, to, Shape::Line, block),
             Motion::Arc(direction) => self.arc(line, block, to, direction),
-            Motion::ThroughPoint => self.arc_through_point(line, block, to),
+            Motion::ThroughPoint => self.arc_through_point(line, block, to, has_shifted),
             Motion::Tangent => self.tangent_arc(line, block, to),
         }
         true
@@ -51,7 +58,8 @@ impl<'a> Mill<'a, '_> {
     /// Refuses words that the motion does not use.
     fn refuse_unused(&mut self, line: Line<'a>, block: &Block, motion: Option<Motion>) {
         let used: &[&str] = match motion {
-            None => &[],
+            None => &["ANG"],
+            Some(Motion::Line) => &["AP", "RP", "RND", "CHF", "CHR", "FRC", "ANG"],
             Some(Motion::Rapid) => &["AP", "RP"],
             Some(Motion::Arc(_)) => &["AP", "RP", "CR", "AR", "TURN", "RND", "CHF", "CHR", "FRC"],
             Some(_) => &["AP", "RP", "RND", "CHF", "CHR", "FRC"],
@@ -94,22 +102,80 @@ impl<'a> Mill<'a, '_> {
                 self.refuse(line, [given.start, given.end], Fault::Conflict);
                 return None;
             }
+            if let Some(given) = block.value("ANG") {
+                self.refuse(line, [given.start, given.end], Fault::Conflict);
+                return None;
+            }
             let [x, y] = self.polar_coordinates(line, block)?;
             (coordinates[a], coordinates[b]) = (Some(x), Some(y));
         }
-        for (axis, coordinate) in coordinates.iter().enumerate() {
-            match *coordinate {
-                Some(Coordinate::Relative(mm)) if self.is_stale[axis] && mm != 0.0 => {
+        if let Some(given) = block.value("ANG") {
+            self.complete_by_angle(line, block, &given, &mut coordinates)?;
+        }
+        for (axis, coordinate) in coordinates.iter_mut().enumerate() {
+            match (*coordinate, self.owed[axis]) {
+                (Some(Coordinate::Relative(_)), None) => {
                     let span =
                         block.axes[axis].map_or([0, line.text.len()], |given| [given.start, given.end]);
                     self.refuse(line, span, Fault::IncrementOfNewZero);
                     return None;
                 }
-                Some(Coordinate::Absolute(_)) => self.is_stale[axis] = false,
+                (Some(Coordinate::Relative(mm)), Some(owed)) => {
+                    if owed != 0.0 {
+                        self.machine.note_first(Note::ShiftTraversed { line: line.number });
+                    }
+                    *coordinate = Some(Coordinate::Relative(mm + owed));
+                }
+                (None, _) => continue,
                 _ => {}
             }
+            self.owed[axis] = Some(0.0);
         }
         Some(self.machine.placed(coordinates))
+    }
+
+    /// ANG: the line leads to one coordinate of its end at an angle from the first axis of the plane.
+    fn complete_by_angle(
+        &mut self,
+        line: Line<'a>,
+        block: &Block,
+        given: &Given,
+        coordinates: &mut [Option<Coordinate>; 3],
+    ) -> Option<()> {
+        let [a, b, _] = self.machine.plane.axes();
+        let (own, other) = match (coordinates[a], coordinates[b]) {
+            (Some(_), None) => (a, b),
+            (None, Some(_)) => (b, a),
+            // Two lines that meet where their angles say.
+            _ => {
+                self.refuse(line, [given.start, given.end], Fault::NotRead);
+                return None;
+            }
+        };
+        let at = self.in_program();
+        let (Some(from), Some(beside)) = (at[own], at[other]) else {
+            self.machine.refuse_state(line, Fault::UnknownStart(['X', 'Y', 'Z'][own]));
+            return None;
+        };
+        let way = match coordinates[own] {
+            Some(Coordinate::Absolute(mm)) => mm - from,
+            Some(Coordinate::Relative(mm)) if self.owed[own] == Some(0.0) => mm,
+            _ => {
+                let span = block.axes[own].map_or([given.start, given.end], |word| [word.start, word.end]);
+                self.refuse(line, span, Fault::IncrementOfNewZero);
+                return None;
+            }
+        };
+        let (sin, cos) = sine_and_cosine(given.value);
+        let (along, across) = if own == a { (cos, sin) } else { (sin, cos) };
+        let length = way / along;
+        // Against its angle no line leads to the coordinate.
+        if !(length > 0.0 && length.is_finite()) {
+            self.refuse(line, [given.start, given.end], Fault::OutOfRange(given.value));
+            return None;
+        }
+        coordinates[other] = Some(Coordinate::Absolute(beside + length * across));
+        Some(())
     }
 
     fn move_on_machine(&mut self, line: Line<'a>, block: &Block, motion: Motion) {
@@ -118,7 +184,7 @@ impl<'a> Mill<'a, '_> {
             |given: &Given| given.from == From::Tool || given.from == From::Mode && !self.is_absolute;
         let is_legal = is_straight
             && !block.axes.iter().flatten().any(is_relative)
-            && ["AP", "RP", "RND", "CHF", "CHR"].iter().all(|name| block.value(name).is_none());
+            && ["AP", "RP", "RND", "CHF", "CHR", "ANG"].iter().all(|name| block.value(name).is_none());
         if !is_legal {
             self.machine.refuse(line.refused(Fault::Conflict));
             return self.lose_place();
@@ -130,6 +196,8 @@ impl<'a> Mill<'a, '_> {
             let Some(given) = &block.axes[axis] else { continue };
             self.assume_units(line);
             let mm = given.value * self.machine.unit_mm();
+            // Whether an incremental way behind this block counts from here is not certain.
+            self.owed[axis] = None;
             // Without a known length the height of the tip is not known.
             let has_length = axis != normal || self.has_length();
             *place = self.machine.frames.of_machine(axis, mm).filter(|_| has_length);

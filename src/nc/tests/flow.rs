@@ -56,3 +56,40 @@ fn optional_blocks_run_unless_they_are_skipped() {
     let skips = ReadJob { skips_optional: true, ..job("linuxcnc", text) };
     assert_eq!((of("linuxcnc", text).lines, reading(&skips).lines), (vec![3, 4], vec![4]));
 }
+
+#[test]
+fn arguments_of_a_macro_are_its_own_and_the_callers_variables_stay() {
+    // A, B, C, I, X and Z are #1 to #4, #24 and #26; the caller's #1 is another.
+    let text = "%\nO1\nG21 G90\nG0 X0. Y0. Z0.\n#1=100.\nG65 P9 A1. B2. C3. I4. X5. Z6.\nG91 G1 X#1 F60.\nM30\nO9\nG91 G1 F60. X[#1+#2+#3+#4+#24+#26]\n#1=7.\nY#1\nG90\nM99\n%\n";
+    assert_eq!(of("fanuc", text).end, [Some(121.0), Some(7.0), Some(0.0)]);
+    // A variable that no argument sets is vacant: its word counts as absent.
+    let vacant = text.replace(" Z6.", "").replace("+#26]", "]\nZ#26");
+    assert_eq!(of("fanuc", &vacant).end, [Some(115.0), Some(7.0), Some(0.0)]);
+    assert_eq!(faults("fanuc", &text.replace("A1.", "A1"))[0], (6, "A1".into(), Fault::NoPoint));
+    assert_eq!(faults("fanuc", "G21\nG66 P9 A1.\nM30\n")[0].2, Fault::NotRead);
+}
+
+#[test]
+fn a_subroutine_gives_a_value_back() {
+    // LinuxCNC's interpreter ends at the same places.
+    let text = "G21 G90 F100\nG0 X0 Y0 Z0\no1 sub\no1 return [#1*2]\nG1 X99\no1 endsub\no2 sub\no2 endsub [7]\no3 sub\no3 endsub\no1 call [4]\nG1 X[#<_value>] Y[#<_value_returned>]\no2 call\nX[#<_value>]\no3 call\nZ[#<_value>+#<_value_returned>-3]\nM2\n";
+    assert_eq!(of("linuxcnc", text).end, [Some(7.0), Some(1.0), Some(-3.0)]);
+}
+
+#[test]
+fn a_saved_modal_state_comes_back() {
+    let start = "G21 G90 G17 F100 S500 M3\nG0 X0 Y0 Z0";
+    let end = |lines: &str| of("linuxcnc", &format!("{start}\n{lines}\nM2\n")).end[0];
+    // The motion in force is no part of the state.
+    assert_eq!(end("M70\nG91 G20 G18 G1 X1 F5\nM72\nX30"), Some(30.0));
+    let sub = "o1 sub\nM73\nG91 G20 F1\nG1 X1\no1 endsub\no1 call";
+    assert_eq!(end(&format!("{sub}\nX30")), Some(30.0));
+    assert_eq!(end(&format!("{}\nX1", sub.replace("M73", "M70"))), Some(2.0 * 25.4));
+    let measured = measures(&of("linuxcnc", &format!("{start}\nM70\nF5\nM72\nG1 X10\nM2\n")));
+    close(&[measured.cutting_time_s.unwrap()], &[6.0]);
+    let fault = |lines: &str| faults("linuxcnc", &format!("{start}\n{lines}\nM2\n"))[0].2;
+    assert_eq!(fault("M72"), Fault::NothingSaved);
+    assert_eq!(fault("M70\nM71\nM72"), Fault::NothingSaved);
+    assert_eq!(fault("M70\no1 sub\nM72\no1 endsub\no1 call"), Fault::NothingSaved);
+    assert_eq!(fault("G1 X1 M70"), Fault::Conflict);
+}

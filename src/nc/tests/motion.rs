@@ -158,3 +158,35 @@ fn a_way_of_rounding_errors_takes_no_time_of_a_block() {
     let reading = reading(&ReadJob { start: [Some(0.0); 3], ..job("linuxcnc", text) });
     close(&[measures(&reading).cutting_time_s.expect("feeds")], &[0.3]);
 }
+
+#[test]
+fn an_arc_stays_in_force_and_needs_its_centre_in_each_block() {
+    for dialect in ["linuxcnc", "fanuc", "haas", "grbl", "mach4", "okuma"] {
+        let text = "G21 G90 G91.1\nG0 X0. Y0. Z0.\nG2 X10. Y10. I10. J0. F100.\nX20. Y0. I0. J-10.\nG1 X30.\nX40.\nM30\n";
+        let text = if matches!(dialect, "linuxcnc" | "mach4" | "grbl") {
+            text.to_owned()
+        } else {
+            text.replace(" G91.1", "")
+        };
+        close(&[lengths(dialect, &text)[0]], &[10.0 * PI + 20.0]);
+        let lacking = text.replace("X20. Y0. I0. J-10.", "X20. Y0.");
+        assert_eq!(faults(dialect, &lacking)[0], (4, "X20. Y0.".into(), Fault::NoCenter), "{dialect}");
+    }
+}
+
+#[test]
+fn a_circle_without_x_and_y_is_whole_where_the_control_allows_it() {
+    for (dialect, plane, words) in [
+        ("linuxcnc", "G17", "I-4.5"),
+        ("fanuc", "G17", "I-4.5"),
+        ("fanuc", "G18", "K-4.5"),
+        ("haas", "G19", "J-4.5"),
+        ("mach4", "G17", "I-4.5"),
+    ] {
+        let text = format!("G21 G90\nG0 X0. Y0. Z0.\n{plane} G3 {words} F100.\nM30\n");
+        close(&[lengths(dialect, &text)[0]], &[9.0 * PI]);
+    }
+    assert_eq!(faults("grbl", "G21\nG0 X0 Y0 Z0\nG3 I-4.5 F100\nM30\n")[0].2, Fault::Missing('X'));
+    // A radius says no whole circle.
+    assert_eq!(faults("fanuc", "G21\nG0 X0. Y0. Z0.\nG3 R4.5 F100.\nM30\n")[0].2, Fault::ClosedRadius);
+}

@@ -86,3 +86,43 @@ fn radius_and_angle_of_linuxcnc_are_those_about_the_zero() {
     );
     assert_eq!(faults("linuxcnc", "G0 X0 Y0 Z5\nG1 @2 X3 F100\nM2")[0].2, Fault::Conflict);
 }
+
+#[test]
+fn a_work_offset_of_linuxcnc_turns_about_its_zero() {
+    let at = |lines: &str| {
+        let text = format!("G21 G90 F100\nG10 L2 P1 X0 Y0 R90\nG0 X10 Y0 Z0\n{lines}\nM2\n");
+        let offsets = [(1, [0.0; 3]), (2, [100.0, 0.0, 0.0])];
+        reading(&ReadJob { offsets: &offsets, ..job("linuxcnc", &text) }).end.map(Option::unwrap)
+    };
+    close(&at("G1 Y5"), &[-5.0, 10.0, 0.0]);
+    close(&at("G91 G1 X1"), &[0.0, 11.0, 0.0]);
+    close(&at("G2 X20 I5"), &[0.0, 20.0, 0.0]);
+    close(&at("G10 L2 P1 R0\nG1 X3 Y4"), &[3.0, 4.0, 0.0]);
+    // Another work offset has a turn of its own.
+    close(&at("G55 G1 X1 Y2"), &[101.0, 2.0, 0.0]);
+    close(&at("G10 L2 P2 R180\nG55 G1 X1 Y2\nG54 G1 Y3"), &[-3.0, -2.0, 0.0]);
+    let fault = |lines: &str| {
+        let text = format!("G21 G90 F100\nG0 X0 Y0 Z0\n{lines}\nM2\n");
+        faults("linuxcnc", &text)[0].2
+    };
+    assert_eq!(fault("G10 L20 P1 X0 R30"), Fault::UnusedWord);
+    assert_eq!(fault("G10 L2 P1 R30\nG92 X5"), Fault::ShiftInTurn);
+    assert_eq!(fault("G52 X5\nG10 L2 P1 R30"), Fault::ShiftInTurn);
+    assert_eq!(fault("G10 L2 P1 R30\nG18 G2 X10 I5"), Fault::Ellipse);
+}
+
+#[test]
+fn a_level_plane_moves_the_zero_alone() {
+    let at = |lines: &str| {
+        let text = format!("G21 G90\nG0 X1. Y2. Z3.\n{lines}\nM30\n");
+        of("fanuc", &text).end.map(Option::unwrap)
+    };
+    close(&at("G68.2 X10. Y20. Z30. I0. J0. K0.\nG53.1\nG0 X1.\nG1 Y1. Z1. F100."), &[11.0, 21.0, 31.0]);
+    close(&at("G68.2 X10. Y20. Z30. I0 J0 K0\nG69\nG0 X1. Y1. Z1.\nX4."), &[4.0, 1.0, 1.0]);
+    let fault = |lines: &str| faults("fanuc", &format!("G21 G90\nG0 X1. Y2. Z3.\n{lines}\nM30\n"))[0].2;
+    assert_eq!(fault("G68.2 X0 Y0 Z0 I0 J90. K0"), Fault::Tilted);
+    assert_eq!(fault("G51 X0. Y0. Z0. P2.\nG68.2 I0 J0 K0"), Fault::Conflict);
+    assert_eq!(fault("G91 G68.2 X1. I0 J0 K0"), Fault::IncrementalCenter);
+    assert_eq!(fault("G68.2 I0 J0 K0\nG68 X0 Y0 R30."), Fault::Conflict);
+    assert_eq!(faults("haas", "G21\nG68.2 I0 J0 K0\nM30\n")[0].2, Fault::NotRead);
+}

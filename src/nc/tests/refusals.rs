@@ -56,7 +56,8 @@ fn what_a_control_refuses_is_refused() {
     assert_eq!([0.003, 0.013, 0.02].map(|off| mismatch("linuxcnc", off)), [true, true, false]);
     assert_eq!([0.009, 0.02].map(|off| mismatch("fanuc", off)), [true, false]);
     assert_eq!(faults("linuxcnc", "G21 G0 X1 Y1 Z1\n")[0].2, Fault::NoEnd);
-    assert_eq!(faults("fanuc", "G21\nG68.2 X0. Y0. I30.\nM30\n")[0].2, Fault::NotRead);
+    assert_eq!(faults("fanuc", "G21\nG68.2 X0. Y0. I30.\nM30\n")[0].2, Fault::Tilted);
+    assert_eq!(faults("fanuc", "G21\nG53.1\nM30\n")[0].2, Fault::Tilted);
     for word in ["M6 T1", "G43 H1", "G81 Z-1 R1", "G3 I-4.5 F100"] {
         assert!(!faults("grbl", &framed(word)).is_empty(), "{word}");
     }
@@ -87,4 +88,26 @@ fn wear_compensation_is_the_centre_where_the_caller_says_so() {
     let text = "G21 G90\nG0 X0 Y0 Z0\nG41 D1 G1 X10 F100\nG40 X20\nM2\n";
     let wear = ReadJob { correction: Correction::Wear, ..job("linuxcnc", text) };
     assert!(reading(&wear).notes.contains(&Note::CompensationAsWear { line: 3 }));
+}
+
+#[test]
+fn what_linuxcnc_refuses_of_o_words_and_of_data_is_refused() {
+    let fault = |lines: &str| faults("linuxcnc", &format!("G21 G90\nG0 X0 Y0 Z0\n{lines}\nM2\n"))[0].2;
+    for lines in [
+        "o1 if [1] x\no1 endif",
+        "o1 sub sub\no1 endsub",
+        "o1 sub\no1 return [1] [2]\no1 endsub\no1 call",
+        "o1 sub\no1 endsub\no1 call call [1]",
+        "o1 repeat [2] 2]\no1 endrepeat",
+        "o1 while [0] 3]\no1 endwhile",
+        "o1 do x\no1 while [0]",
+    ] {
+        assert_eq!(fault(lines), Fault::UnusedWord, "{lines}");
+    }
+    assert_eq!(fault("G10 L3 P1 X1"), Fault::OutOfRange(3.0));
+    assert_eq!(fault("G10 L-24.5 P1 R0"), Fault::OutOfRange(-24.5));
+    assert_eq!(fault("G10 L2 P10 X1"), Fault::UnknownOffset);
+    // Comments may stand there.
+    let text = "G21 F100\nG0 X0 Y0 Z0\no1 if [1] (why)\nG1 X5\no1 endif ; end\nM2\n";
+    assert_eq!(lengths("linuxcnc", text)[0], 5.0);
 }

@@ -98,6 +98,8 @@ fn add_up(out: &str) -> Figures {
     let mut at = [0.0; 3];
     // What is added to the coordinates of the program, mm.
     let (mut zero, mut shift) = ([0.0; 3], [0.0; 3]);
+    // The turn of the work offset about its zero: cosine and sine.
+    let mut turned = [1.0, 0.0];
     for line in out.lines() {
         // The number of the call, the number of the block, the call.
         let call = line.trim_start().splitn(3, char::is_whitespace).nth(2).unwrap_or_default();
@@ -120,11 +122,15 @@ fn add_up(out: &str) -> Figures {
                 };
             }
             "SET_G5X_OFFSET" => zero = [numbers[1], numbers[2], numbers[3]].map(|x| x * unit),
+            "SET_XY_ROTATION" => {
+                let (sin, cos) = numbers[0].to_radians().sin_cos();
+                turned = [cos, sin];
+            }
             "SET_G92_OFFSET" => shift = [numbers[0], numbers[1], numbers[2]].map(|x| x * unit),
             "NURBS_FEED" => figures.has_splines = true,
             "DWELL" => figures.dwell_s += numbers[0],
             "STRAIGHT_TRAVERSE" | "STRAIGHT_FEED" => {
-                let to = [0, 1, 2].map(|k| numbers[k] * unit + zero[k] + shift[k]);
+                let to = placed([0, 1, 2].map(|k| numbers[k] * unit + shift[k]), turned, zero);
                 let length = (0..3).map(|k| (to[k] - at[k]).powi(2)).sum::<f64>().sqrt();
                 if name == "STRAIGHT_FEED" {
                     cut(&mut figures, length);
@@ -136,8 +142,14 @@ fn add_up(out: &str) -> Figures {
             }
             "ARC_FEED" => {
                 let [a, b, n] = axes;
-                let [ea, eb, ca, cb, en] = [(0, a), (1, b), (2, a), (3, b), (5, n)]
-                    .map(|(k, axis)| numbers[k] * unit + zero[axis] + shift[axis]);
+                // No arc of the random programs lies in another plane while the work offset is turned.
+                let place = |first: usize, second: usize| {
+                    let mut at = [0.0; 3];
+                    (at[a], at[b], at[n]) = (numbers[first], numbers[second], numbers[5]);
+                    placed([0, 1, 2].map(|k| at[k] * unit + shift[k]), turned, zero)
+                };
+                let (end, center) = (place(0, 1), place(2, 3));
+                let [ea, eb, ca, cb, en] = [end[a], end[b], center[a], center[b], end[n]];
                 let (from, to) = ([at[a] - ca, at[b] - cb], [ea - ca, eb - cb]);
                 let turn = numbers[4];
                 let mut sweep = (to[1].atan2(to[0]) - from[1].atan2(from[0])) * turn.signum();
@@ -153,4 +165,9 @@ fn add_up(out: &str) -> Figures {
     }
     figures.end = at;
     figures
+}
+
+/// A place of the program in coordinates of the machine, mm.
+fn placed([x, y, z]: [f64; 3], [cos, sin]: [f64; 2], zero: [f64; 3]) -> [f64; 3] {
+    [x * cos - y * sin + zero[0], x * sin + y * cos + zero[1], z + zero[2]]
 }

@@ -1,8 +1,8 @@
 //! Compares the reader of programs with LinuxCNC's interpreter.
 //!
-//! * Random programs of lines, arcs in three planes, helices, turns, cycles, pauses, variables and loops, in mm
-//!   and inches. Lengths of cuts and of rapids, pauses and the end agree within the four decimals that the
-//!   interpreter prints.
+//! * Random programs of lines, arcs in three planes, helices, turns, cycles, pauses, variables, loops,
+//!   subroutines, saved modes and turned work offsets, in mm and inches. Lengths of cuts and of rapids,
+//!   pauses and the end agree within the four decimals that the interpreter prints.
 //! * Random contours with cutter compensation to the left and to the right.
 //! * The same programs with one change each: a word left out, doubled, or of another value. What the
 //!   interpreter refuses is refused here.

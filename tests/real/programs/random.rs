@@ -40,7 +40,7 @@ fn block(text: &mut String, at: &mut [f64; 3], numbers: &mut Numbers, k: usize) 
     let to = [numbers.place(), numbers.place(), numbers.place()];
     let set = |at: &mut [f64; 3], axes: &[usize]| axes.iter().for_each(|axis| at[*axis] = to[*axis]);
     let [x, y, z] = to;
-    match numbers.below(14) {
+    match numbers.below(17) {
         0 => {
             *text += &format!("G0 X{x} Y{y} Z{z}\n");
             set(at, &[0, 1, 2]);
@@ -108,6 +108,23 @@ fn block(text: &mut String, at: &mut [f64; 3], numbers: &mut Numbers, k: usize) 
             (at[0], at[1]) = (at[0] + 3.0, at[1] - 0.75);
         }
         12 => *text += &format!("G93 G1 X{} F{}\nG94 F250\n", at[0], 2 + numbers.below(5)),
+        13 => {
+            // The motion in force is no part of what comes back.
+            *text += &format!("M70\nG91 G18 F77 G1 X{x}\nM72\nY{y}\n");
+            (at[0], at[1]) = (at[0] + x, y);
+        }
+        14 => {
+            let label = 300 + k;
+            *text += &format!("o{label} sub\nM73\nG91 G1 X#1 F55\no{label} return [#1*2]\no{label} endsub\n");
+            *text += &format!("o{label} call [{x}]\nG1 Y[#<_value>] Z[{z}+#<_value_returned>]\n");
+            (at[0], at[1], at[2]) = (at[0] + x, 2.0 * x, z + 1.0);
+        }
+        15 => {
+            let turn = numbers.below(720) as f64 / 2.0;
+            *text += &format!("G10 L2 P1 R{turn}\nG1 X{x} Y{y}\nG17 G3 X{x} Y{} J1.5\nG1 Y{z}\n", y + 3.0);
+            *text += &format!("G10 L2 P1 R0\nG0 X{x} Y{y} Z{z}\n");
+            set(at, &[0, 1, 2]);
+        }
         _ => {
             *text += &format!("G90.1 G3 X{} Y{} I{} J{}\nG91.1\n", at[0], at[1], at[0] + 2.0, at[1]);
         }

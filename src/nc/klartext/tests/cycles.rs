@@ -126,7 +126,7 @@ fn what_a_cycle_does_not_say_for_certain_is_refused() {
     assert_eq!(faults(&format!("L Z+50 FMAX\n{DRILL}Q201 = -30\nCYCL CALL"))[0].2, Fault::ChangedCycle);
     assert_eq!(faults("CYCL CALL")[0].2, Fault::Lacks("CYCL DEF"));
     assert_eq!(faults("L X+5 FMAX M99")[0], (4, "M99".into(), Fault::Lacks("CYCL DEF")));
-    for number in [204, 208, 209, 241, 251, 256, 262, 400, 14, 20, 25, 290] {
+    for number in [204, 208, 241, 251, 256, 262, 400, 14, 20, 25, 290] {
         assert_eq!(
             faults(&format!("CYCL DEF {number} NAME\nCYCL CALL")),
             [(4, number.to_string(), Fault::NotRead)]
@@ -136,5 +136,78 @@ fn what_a_cycle_does_not_say_for_certain_is_refused() {
         faults("CYCL DEF 14.0 CONTOUR\nCYCL DEF 14.1 CONTOUR LABEL 1"),
         [(4, "14.0".into(), Fault::NotRead)]
     );
-    assert_eq!(faults(&format!("L Z+50 FMAX\n{DRILL}L X+9 FMAX M99\nL X+10"))[0].2, Fault::NoFeed);
+    assert_eq!(faults(&format!("L Z+50 FMAX\n{DRILL}L X+9 FMAX M99\nL X+10"))[0].2, Fault::FeedBehindCycle);
+    // A rapid, and a block with an F, need no feed of before.
+    close(
+        &end(&format!("L Z+50 FMAX\n{DRILL}L X+9 FMAX M99\nL X+10 FMAX\nL X+11 F50\nL X+12")),
+        &[12.0, 0.0, 10.0],
+    );
+}
+
+#[test]
+fn chips_are_broken_inside_the_hole() {
+    let common = "Q200=2 ~\nQ201=-20 ~\nQ206=60 ~\nQ203=0 ~\nQ204=2 ~\nQ211=0 ~\n";
+    let of = |number: u32, rest: &str| {
+        let reading = of(&format!("L Z+2 FMAX\nCYCL DEF {number} NAME ~\n{common}{rest}\nCYCL CALL"));
+        let measures = measures(&reading);
+        [measures.cutting_length_mm, measures.rapid_length_mm - 2.0, measures.dwell_time_s]
+    };
+    // Bottoms 8, 16 and 20; each time out, and down to 2 mm above the bottom.
+    close(&of(203, "Q208=0 ~\nQ202=8 ~\nQ210=1 ~\nQ213=0"), &[26.0, 10.0 + 8.0 + 18.0 + 16.0 + 22.0, 2.0]);
+    // One break at 8, then out behind 16.
+    close(
+        &of(203, "Q208=0 ~\nQ202=8 ~\nQ213=1 ~\nQ256=0.5 ~\nQ210=1"),
+        &[24.5, 0.5 + 18.0 + 16.0 + 22.0, 1.0],
+    );
+    // Infeeds of 8, 5, 4 and 3: each less by 3, but no less than 4.
+    close(&of(203, "Q208=0 ~\nQ202=8 ~\nQ212=3 ~\nQ205=4 ~\nQ213=9 ~\nQ256=0.5")[..1], &[22.0 + 3.0 * 0.5]);
+    // The way out at a feed of its own.
+    close(&of(203, "Q208=30 ~\nQ202=8 ~\nQ213=0")[..1], &[26.0 + 10.0 + 18.0 + 22.0]);
+    let deep = "Q258=0.5 ~\nQ259=0.5 ~\nQ202=10 ~\nQ257=4 ~\nQ256=0.2";
+    // Breaks at 4 and 8, out behind 10, breaks at 14 and 18.
+    close(&of(205, deep), &[22.0 + 0.5 + 4.0 * 0.2, 4.0 * 0.2 + 12.0 + 11.5 + 22.0, 0.0]);
+    let fault = |number: u32, rest: &str| faults(&format!("CYCL DEF {number} NAME ~\n{common}{rest}"))[0].2;
+    assert_eq!(fault(203, "Q208=0 ~\nQ202=8 ~\nQ213=1"), Fault::LacksParameter(256));
+    assert_eq!(fault(203, "Q208=0 ~\nQ202=8 ~\nQ212=3"), Fault::OutOfRange(0.0));
+}
+
+#[test]
+fn a_tap_breaks_chips_by_turns_of_its_thread() {
+    let common = "Q200=2 ~\nQ201=-12 ~\nQ239=+1.5 ~\nQ203=0 ~\nQ204=2 ~\nQ257=5 ~\n";
+    let of = |rest: &str| {
+        let reading = of(&format!("L Z+2 FMAX\nCYCL DEF 209 TAP ~\n{common}{rest}\nCYCL CALL"));
+        [measures(&reading).cutting_length_mm, measures(&reading).cutting_time_s.unwrap()]
+    };
+    // 1000 turns a minute of 1.5 mm; to 5 and 10 and back by a turn each, to 12, and out twice as fast.
+    close(&of("Q256=+1 ~\nQ336=0 ~\nQ403=2"), &[14.0 + 4.0 * 1.5 + 14.0, 20.0 / 25.0 + 14.0 / 50.0]);
+    // Out of the hole by the thread, and in again.
+    close(&of("Q256=0 ~\nQ336=0"), &[7.0 + 7.0 + 12.0 + 12.0 + 14.0 + 14.0, 66.0 / 25.0]);
+    let wrong = format!("CYCL DEF 209 TAP ~\n{common}Q256=1 ~\nQ403=0");
+    assert_eq!(faults(&wrong)[0].2, Fault::OutOfRange(0.0));
+}
+
+#[test]
+fn cycles_of_programs_in_inches_have_lengths_in_inches_and_feeds_in_tenths() {
+    let of = |cycle: &str| {
+        let text = format!(
+            "0 BEGIN PGM T INCH\n1 TOOL CALL 1 Z S1000 F100\n2 L X+0 Y+0 Z+1 R0 FMAX M3\n{cycle}\nCYCL CALL\n9 END PGM T INCH\n"
+        );
+        let reading = whole(&text);
+        let told = reading.notes.contains(&crate::notes::Note::TenthsOfInch { line: 4 });
+        assert!(told, "{:?}", reading.notes);
+        (measures(&reading), reading.end[2].unwrap())
+    };
+    let drill = "CYCL DEF 200 D ~\nQ200=0.1 ~\nQ201=-0.5 ~\nQ206=100 ~\nQ202=1 ~\nQ203=0 ~\nQ204=0.1";
+    let (measured, end) = of(drill);
+    // 0.6 inch at 10 inches a minute.
+    close(&[measured.cutting_length_mm, measured.cutting_time_s.unwrap(), end], &[15.24, 3.6, 2.54]);
+    let (measured, _) = of(&drill.replace("Q206=100", "Q206=FAUTO"));
+    close(&[measured.cutting_time_s.unwrap()], &[3.6]);
+    let older = "CYCL DEF 2.0 T\nCYCL DEF 2.1 SET UP 1\nCYCL DEF 2.2 DEPTH -0.5\nCYCL DEF 2.3 DWELL 0\nCYCL DEF 2.4 F100";
+    let text = format!(
+        "BEGIN PGM T INCH\nTOOL CALL 1 Z S1000 F100\nL X+0 Y+0 Z+1 FMAX\n{older}\nCYCL CALL\nEND PGM T INCH"
+    );
+    close(&[measures(&whole(&text)).cutting_length_mm], &[2.0 * 1.5 * 25.4]);
+    let pitch = "BEGIN PGM T INCH\nCYCL DEF 207 T ~\nQ200=1 Q201=-1 Q239=0.05 Q203=0 Q204=1\nEND PGM T INCH";
+    assert_eq!(faults_of(pitch)[0].2, Fault::UnsureFeed);
 }

@@ -78,3 +78,21 @@ fn a_preset_ends_the_shifts_and_loses_the_place_unless_zeros_are_given() {
 fn a_pole_ends_with_the_datum_in_which_it_lies() {
     assert_eq!(faults(&format!("CC X+5 Y+0\n{SHIFT}C X+0 Y+0 DR+"))[0].2, Fault::Lacks("CC"));
 }
+
+#[test]
+fn angles_of_a_level_plane_are_zero() {
+    for plane in [
+        "PLANE SPATIAL SPA+0 SPB+0 SPC+0 STAY SEQ-",
+        "CYCL DEF 19.0 WORKING PLANE\nCYCL DEF 19.1 A+0 B+0 C+0",
+    ] {
+        close(&end(&format!("L X+5\n{plane}\nL A+Q120 C+Q122 R0 FMAX\nL Y+3 B+Q121")), &[5.0, 3.0, 0.0]);
+    }
+    for lines in [
+        "L A+Q120 C+Q122 FMAX",
+        "PLANE RESET STAY\nL A+Q120 FMAX",
+        "PLANE SPATIAL SPA+0 SPB+0 SPC+0 STAY\nCYCL DEF 19.0 W\nCYCL DEF 19.1\nL A+Q120 FMAX",
+        "PLANE SPATIAL SPA+0 SPB+0 SPC+0 STAY\nL X+Q119",
+    ] {
+        assert_eq!(faults(lines)[0].2, Fault::AtMachine, "{lines}");
+    }
+}

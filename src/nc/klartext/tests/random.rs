@@ -2,6 +2,7 @@
 
 use super::programs::ALL;
 use super::*;
+use crate::machine::{Correction, Cutter};
 
 /// Numbers from a seed (Knuth's MMIX).
 struct Numbers(u64);
@@ -15,16 +16,19 @@ impl Numbers {
 
 fn reads(text: &[u8]) {
     let control = Control::named("heidenhain").unwrap();
-    let job = ReadJob { most_moves: 1000, ..ReadJob::plain(text, control) };
-    if let Err(ReadError::Refused(refusals)) = read(&job, &Budget::unlimited()) {
-        assert!(!refusals.is_empty());
-        for refusal in refusals {
-            assert!(refusal.column > 0 && refusal.line > 0 && !refusal.to_string().is_empty());
+    let three = [Cutter { number: None, radius_mm: 3.0 }];
+    for correction in [Correction::Refused, Correction::Computed(&three)] {
+        let job = ReadJob { most_moves: 1000, correction, ..ReadJob::plain(text, control) };
+        if let Err(ReadError::Refused(refusals)) = read(&job, &Budget::unlimited()) {
+            assert!(!refusals.is_empty());
+            for refusal in refusals {
+                assert!(refusal.column > 0 && refusal.line > 0 && !refusal.to_string().is_empty());
+            }
         }
     }
 }
 
-const PIECES: [&str; 60] = [
+const PIECES: [&str; 70] = [
     "L ",
     "X+10",
     "IX-5",
@@ -80,6 +84,16 @@ const PIECES: [&str; 60] = [
     "CYCL CALL POS X1 Y1 Z1 FMAX",
     "PATTERN DEF POS1 (X+1 Y+2 Z+0)",
     "CYCL DEF 200 Q200=2 Q201=-9 Q206=9 Q202=3 Q203=0 Q204=5",
+    "CYCL DEF 203 Q200=2 Q201=-9 Q206=9 Q202=3 Q203=0 Q204=5 Q208=0 Q213=1 Q256=1 Q212=1 Q205=1",
+    "CYCL DEF 209 Q200=2 Q201=-9 Q239=1 Q203=0 Q204=5 Q257=2 Q256=0",
+    "APPR LT X+10 Y+20 LEN5 RL F100\n",
+    "APPR CT X+10 Y+20 CCA90 R-5 RR F100\n",
+    "APPR LCT X+10 Y+20 R5 RL F100\n",
+    "DEP LN LEN5\n",
+    "DEP LCT X+0 Y+0 R5\n",
+    "TOOL DEF 1 L+0 R+3",
+    "PLANE SPATIAL SPA+0 SPB+0 SPC+0 STAY",
+    "A+Q120",
     "TOOL CALL 2 Y S100",
     "CYCL DEF 247 Q339=2",
     "1e9",

@@ -26,8 +26,8 @@ fn blocks_that_move_in_ways_that_are_not_read_are_refused_by_name() {
         "FL PR+20 PA+30",
         "FPOL X+5 Y+5",
         "FCT DR- R15",
-        "APPR LT X+5 Y+5 LEN15 RL F100",
-        "DEP LCT X+5 Y+5 R5",
+        "APPR PLT PR+15 PA+30 LEN15 RL F100",
+        "DEP PLCT PR+15 PA+30 R5",
         "PLANE SPATIAL SPA+0 SPB+0 SPC-1 STAY",
         "PLANE SPATIAL SPA+30 SPB+0 SPC+0 TURN FMAX",
         "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS",
@@ -191,6 +191,10 @@ fn a_corner_between_two_sides_of_a_contour_is_refused_where_the_path_is_computed
     assert_eq!(first(&format!("{start}\nRND R6\nL X-30 R0")), Some(Fault::CornerBetweenSides));
     assert_eq!(first(&format!("{start}\nL X+50 RR")), Some(Fault::Conflict));
     assert_eq!(first("TOOL CALL 1 Z S1000 DR+1\nL X+0 Y+0 Z+0 R0 FMAX"), Some(Fault::ChangesTool(1.0)));
+    // The radius that the program states is the one of the request, or it is refused.
+    assert_eq!(first("TOOL DEF 1 L+0 R+5\nTOOL CALL 1 Z S1000\nL X+0 Y+0 Z+0 R0 FMAX"), None);
+    assert_eq!(first("TOOL DEF 1 L+0 R+4\nL X+0"), Some(Fault::ChangesTool(-1.0)));
+    assert_eq!(first("TOOL DEF 1 L+0 D+4\nL X+0"), Some(Fault::UnusedWord));
     assert_eq!(faults("TOOL CALL 1 Z S1000 DL+1\nL X+0 Y+0 Z+0 FMAX")[0].2, Fault::ChangesTool(1.0));
     assert_eq!(faults("CYCL DEF 8.0 M\nCYCL DEF 8.1 Z")[0].2, Fault::UnusedWord);
     assert_eq!(faults("L X+5 M104")[0].2, Fault::NotRead);

@@ -86,9 +86,43 @@ fn parameters_that_contradict_are_refused() {
         ("CYCLE84(10,0,2,-5,,,3,8)", "SST"),
         ("CYCLE85(10,0,2,-5)", "FFR"),
         ("HOLES1(0,0,0,0,10)", "NUM"),
-        ("HOLES2(0,0,10,0,0,4,1)", "behind NUM"),
+        ("HOLES2(0,0,10,0,0,4,1)", "_VARI"),
+        ("HOLES2(0,0,10,0,0,4,1010)", "_VARI"),
+        ("HOLES2(0,0,10,0,30,4,1000)", "_VARI"),
+        ("HOLES2(0,0,10,0,0,4,0,0,,,2)", "_DMODE"),
+        ("HOLES1(0,0,0,0,10,3,0,0,\"2\")", "_HIDE"),
+        ("CYCLE801(0,0,0,10,10,2,2,0,0,5)", "behind _VARI"),
+        ("CYCLE801(0,0,0,10,10,2,2,2)", "_VARI"),
+        ("CYCLE802(111111112,111111111,1,2)", "_XA"),
+        ("CYCLE802(111111111,111111111,1)", "a place"),
     ] {
         let found = framed_faults(&format!("G0 Z10\n{call}\nG1 X10"));
         assert_eq!(found, [(2, call.chars().take(40).collect(), Fault::CycleParameter(name))], "{call}");
     }
+}
+
+#[test]
+fn patterns_are_read_in_the_form_of_the_editor_too() {
+    let drilled = |pattern: &str| {
+        let text = framed(&format!("G0 Z10\nMCALL CYCLE81(10,0,2,-5)\n{pattern}\nMCALL"));
+        let reading = of(&text);
+        let holes = measure(&reading.toolpath, FeedRate::DEFAULT_RAPID);
+        (reading.end.map(|place| place.unwrap_or(f64::NAN)), holes.cutting_length_mm / 7.0, holes.bounds)
+    };
+    let (end, number, _) = drilled("HOLES1(10,0,0,0,10,3,0,0,,,1)");
+    assert_eq!((end, number), ([30.0, 0.0, 10.0], 3.0));
+    let (end, number, bounds) = drilled("HOLES2(0,0,10,0,90,4,1000,0,,,1)");
+    close(&[end[0], end[1], number, bounds.max.y], &[0.0, -10.0, 4.0, 10.0]);
+    let (end, number, _) = drilled("HOLES2(0,0,10,0,45,3,2000,0,,,1)");
+    close(&[end[0], end[1], number], &[0.0, 10.0, 3.0]);
+    let places = "CYCLE802(111111111,111111111,-40,30,40,30,5,6,,,,,,,,,,,,,0,0,1)";
+    let (end, number, bounds) = drilled(places);
+    close(&[end[0], end[1], number, bounds.min.x], &[5.0, 6.0, 3.0, -40.0]);
+    // Three columns and four rows; the frame leaves the two holes inside out.
+    let (end, number, bounds) = drilled("CYCLE801(10,20,0,5,7,3,4,0,0,,,,,1)");
+    assert!(end[0].is_nan() && end[1].is_nan() && end[2] == 10.0);
+    close(&[number, bounds.max.x, bounds.max.y], &[12.0, 20.0, 41.0]);
+    assert_eq!(drilled("CYCLE801(10,20,0,5,7,3,4,1)").1, 10.0);
+    let (_, _, turned) = drilled("CYCLE801(10,20,90,5,7,3,4)");
+    close(&[turned.min.x, turned.max.y], &[10.0 - 21.0, 30.0]);
 }

@@ -71,3 +71,25 @@ fn every_run_ends() {
     );
     assert_eq!(framed_faults("R1=1\nAA: IF R1==1 GOTOB AA")[0].2, Fault::Endless(5_000_000));
 }
+
+#[test]
+fn a_modal_program_runs_behind_each_block_that_moves() {
+    let text = "G17 G710 G90 G54\nG0 X0 Y0 Z0 D1\nF600 S1000 M3\nMCALL SIDE(2)\nG1 X10\nM8\nX20\nMCALL\nX30\nM30\nPROC SIDE(REAL BY)\nG91\nG1 Y=BY\nG90\nRET\n";
+    assert_eq!(of(text).end.map(Option::unwrap), [30.0, 4.0, 0.0]);
+    // The moves of another program may or may not call it.
+    let other = text.replace("X20\n", "OTHER\n") + "PROC OTHER\nX20\nRET\n";
+    assert_eq!(faults(&other)[0].2, Fault::ModalInCall);
+    let pattern = text.replace("X20\n", "HOLES1(0,0,0,0,10,3)\n");
+    assert_eq!(faults(&pattern)[0].2, Fault::NotRead);
+    assert_eq!(faults(&text.replace("MCALL\nX30\nM30", "X30 M30"))[0].2, Fault::NotRead);
+    assert_eq!(faults(&text.replace("SIDE(2)", "NONE(2)"))[0].2, Fault::NotRead);
+}
+
+#[test]
+fn a_text_names_a_program_to_call() {
+    let text = "G17 G710 G90 G54\nG0 X0 Y0 Z0 D1\nF600\nDEF STRING[20] WHO\nWHO=\"side\"\nCALL \"/_N_WKS_DIR/_N_PART_WPD/_N_SIDE_SPF\"\nCALL WHO\nM30\nPROC SIDE\nG91 G1 Y2\nG90\nRET\n";
+    assert_eq!(of(text).end[1], Some(4.0));
+    assert_eq!(faults(&text.replace("CALL WHO", "CALL \"NONE\""))[0].2, Fault::NoProgram);
+    assert_eq!(faults(&text.replace("CALL WHO", "CALL 5"))[0].2, Fault::NoProgram);
+    assert_eq!(faults(&text.replace("CALL WHO", "CALL WHO BLOCK A TO B"))[0].2, Fault::NotRead);
+}

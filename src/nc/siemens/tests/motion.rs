@@ -121,7 +121,7 @@ fn frames_shift_turn_scale_and_mirror() {
     close(&[cut("SCALE X2 Y2\nG1 X20 RND=5\nY20")], &[60.0 + 5.0 * PI]);
     assert_eq!(framed_faults("SCALE X2\nG2 X10 Y10 I10 J0")[0].2, Fault::Ellipse);
     assert_eq!(framed_faults("ROT X30"), [(1, "X30".into(), Fault::NotRead)]);
-    assert_eq!(framed_faults("TRANS X10\nG91 G1 X5"), [(2, "X5".into(), Fault::IncrementOfNewZero)]);
+    assert_eq!(framed_faults("ROT Z90\nG91 G1 X5"), [(2, "X5".into(), Fault::IncrementOfNewZero)]);
 }
 
 #[test]
@@ -201,4 +201,51 @@ fn words_that_cannot_change_the_path_are_left_alone_and_counted() {
         assert!(words.contains(&word), "{word} {words:?}");
     }
     assert_eq!(measure(&reading.toolpath, FeedRate::DEFAULT_RAPID).cutting_length_mm, 10.0);
+}
+
+#[test]
+fn an_incremental_way_runs_the_change_of_the_zero_too() {
+    // The coordinate of the program goes on from where it was: X5 behind a shift of 10 is X15 of before.
+    close(&end("G1 X20\nTRANS X10\nG91 X5"), &[35.0, 0.0, 0.0]);
+    close(&end("G1 X20\nTRANS X10\nX=IC(5) Y1\nX=IC(5)"), &[40.0, 1.0, 0.0]);
+    close(&end("G1 X20\nTRANS X10\nG91 X0"), &[30.0, 0.0, 0.0]);
+    close(&end("G1 X20\nTRANS X10\nATRANS X2\nX=IC(5)"), &[37.0, 0.0, 0.0]);
+    // An axis that no block names, or that an absolute place names, runs nothing beside.
+    close(&end("G1 X20 Y20\nTRANS X10 Y10\nX5\nX=IC(5)"), &[20.0, 20.0, 0.0]);
+    close(&end("G1 X20\nTRANS X10\nTRANS\nX=IC(5)"), &[25.0, 0.0, 0.0]);
+    // The shift lies along the axes of a turn that was there before.
+    close(&end("ROT Z90\nG1 X20 Y0\nATRANS X10\nX=IC(5)"), &[0.0, 35.0, 0.0]);
+    let reading = of(&framed("G1 X20\nTRANS X10\nG91 X5"));
+    assert!(reading.notes.iter().any(|note| matches!(note, crate::notes::Note::ShiftTraversed { line: 6 })));
+    let offsets = [(1, [0.0; 3]), (2, [7.0, 0.0, 0.0])];
+    let text = framed("G1 X20\nG55\nG91 X5");
+    let reading = read(&ReadJob { offsets: &offsets, ..job(&text) }, &Budget::unlimited()).unwrap();
+    assert_eq!(reading.end[0], Some(32.0));
+    // A place of the machine is no start of an incremental way that is certain.
+    let on_machine = framed_faults("G1 X20\nSUPA G0 X0\nG91 X5");
+    assert_eq!(on_machine[0], (3, "X5".into(), Fault::IncrementOfNewZero));
+    assert_eq!(
+        framed_faults("TRANS X1\nCIP X=IC(10) I1=IC(5) J1=5"),
+        [(2, "I1=IC(5)".into(), Fault::IncrementOfNewZero)]
+    );
+}
+
+#[test]
+fn a_line_ends_at_one_coordinate_and_an_angle() {
+    let root = 3f64.sqrt();
+    close(&end("G0 X10 Y10\nG1 ANG=60 X20"), &[20.0, 10.0 + 10.0 * root, 0.0]);
+    close(&end("G0 X10 Y10\nG1 Y20 ANG=60"), &[10.0 + 10.0 / root, 20.0, 0.0]);
+    close(&end("G0 X10 Y10\nG1 ANG=180 X0"), &[0.0, 10.0, 0.0]);
+    close(&end("G0 X10 Y10\nG91 G1 ANG=45 X5"), &[15.0, 15.0, 0.0]);
+    close(&end("TRANS X100\nG0 X10 Y10\nG1 ANG=60 X20"), &[120.0, 10.0 + 10.0 * root, 0.0]);
+    for (lines, fault) in [
+        ("G1 ANG=60", Fault::NotRead),
+        ("G1 ANG=60 X5 Y5", Fault::NotRead),
+        ("G1 ANG=60 X-5", Fault::OutOfRange(60.0)),
+        ("G1 ANG=90 X5", Fault::OutOfRange(90.0)),
+        ("G0 ANG=60 X5", Fault::UnusedWord),
+        ("TRANS X5\nG91 G1 ANG=60 X5", Fault::IncrementOfNewZero),
+    ] {
+        assert_eq!(framed_faults(lines)[0].2, fault, "{lines}");
+    }
 }

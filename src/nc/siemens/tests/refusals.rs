@@ -17,7 +17,6 @@ fn words_that_are_not_read_are_refused_by_name() {
         ("CYCLE71(1)", "CYCLE71"),
         ("ORIWKS", "ORIWKS"),
         ("G147 DISR=5", "G147"),
-        ("CALL \"X\"", "CALL"),
         ("EXTCALL(\"X\")", "EXTCALL"),
         ("OVR=50", "OVR"),
         ("MCALL POCKET4(1)", "POCKET4(1)"),

@@ -70,9 +70,10 @@ impl From<&Note> for Warning {
             Note::UnitsAssumed { .. } | Note::BasicUnits { .. } => {
                 (WarningCode::UnitsAssumed, "send `units` if that is wrong")
             }
-            Note::LengthAxisAssumed { .. } | Note::ScalesAllAxes { .. } => {
-                (WarningCode::SettingAssumed, "check this setting of the control")
-            }
+            Note::LengthAxisAssumed { .. }
+            | Note::ScalesAllAxes { .. }
+            | Note::ShiftTraversed { .. }
+            | Note::TenthsOfInch { .. } => (WarningCode::SettingAssumed, "check this setting of the control"),
             Note::LeastIncrements { .. } => {
                 (WarningCode::PointsMissing, "send `without_point: units` if the control reads whole units")
             }

@@ -183,10 +183,11 @@ fn outside_number(word: &str, limit: usize) -> usize {
 const ACTIVE: [&str; 10] =
     ["MSG", "PRINT", "DEBUG", "LOG", "PROBEOPEN", "PROBECLOSE", "PYRUN", "PYRELOAD", "ABORT", "SYSTEM"];
 
-/// Whether a clean text begins as a comment that a control may obey.
+/// Whether a text in capitals begins as a comment that a control may obey.
 pub fn begins_like_a_command(text: &str) -> bool {
     let packed = text.replace(' ', "");
-    ACTIVE.iter().any(|word| packed.starts_with(word)) || text.split(' ').next() == Some("PY")
+    let is_python = packed.starts_with("PY,") || text.split(' ').next() == Some("PY");
+    is_python || ACTIVE.iter().any(|word| packed.starts_with(word))
 }
 
 /// Clean text in lines of at most `limit` characters, broken between words where possible, else within no

@@ -14,6 +14,7 @@ use std::ops::{Range, RangeInclusive};
 
 use super::dialect::{Dialect, Frame, Syntax};
 use super::nc::{Effect, Function, Lexer, PositionEffect, Token, effect, function};
+use super::words::begins_like_a_command;
 use toolpathd_core::toolpath::program::Custom;
 
 /// Most lines of one place.
@@ -31,9 +32,6 @@ const WORK_OFFSETS: [RangeInclusive<i32>; 5] = [540..=599, 1100..=1299, 1540..=1
 
 /// Codes after which lines of other programs run, and then the next line of this one.
 const CALLS: [i32; 2] = [980, 1980];
-
-/// Words at the start of a comment that some controls obey.
-const ACTIVE_COMMENTS: [&str; 6] = ["LOG", "DEBUG", "PROBEOPEN", "PROBECLOSE", "PRINT", "MSG"];
 
 /// Where a line stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -198,7 +196,7 @@ fn is_plain_comment(text: &str) -> bool {
     let Some(inside) = text.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')) else { return false };
     let word = inside.trim_start().to_ascii_uppercase();
     let is_allowed = |c: char| c.is_ascii_alphanumeric() || " ._-/+,='*".contains(c);
-    inside.chars().all(is_allowed) && !ACTIVE_COMMENTS.iter().any(|active| word.starts_with(active))
+    inside.chars().all(is_allowed) && !begins_like_a_command(&word)
 }
 
 /// What a word does. `places` are the codes, in tenths, whose axis words are places of the machine.

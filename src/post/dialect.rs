@@ -229,6 +229,17 @@ impl Dialect {
         matches!(self.syntax, Syntax::Iso(iso) | Syntax::Siemens(iso) if iso.program_number.is_some())
     }
 
+    /// Whether a semicolon ends a block, so that words may stand behind it: on Fanuc and controls that follow
+    /// it. Elsewhere a comment stands there.
+    pub fn ends_blocks_with_semicolons(&self) -> bool {
+        self.names_programs_at_their_number()
+    }
+
+    /// Whether the text of a program begins with the name that its file must have: `BEGIN PGM 501 MM`.
+    pub fn names_files_in_their_text(&self) -> bool {
+        matches!(self.syntax, Syntax::Klartext)
+    }
+
     /// Whether programs are words of a letter and a number and nothing else, so that a program of any origin
     /// can be read word by word.
     pub fn has_plain_words(&self) -> bool {

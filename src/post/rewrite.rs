@@ -1,7 +1,8 @@
 //! Shortens NC programs of any origin: replaces runs of short G1 blocks by fewer arcs and lines.
 //!
 //! A *run* is a series of consecutive G1 blocks at one speed. Each block of a run has at most 256 bytes, and
-//! has no words but N, G1, X, Y, Z and F.
+//! has no words but N, G1, X, Y, Z, F and the S in force. Comments for people may stand in its blocks and
+//! between them.
 //!
 //! # Method
 //! 1. Read each line (`block`), and follow the modal state of the control (`modes`).
@@ -9,7 +10,8 @@
 //! 3. Fit arcs and lines to the end points of these blocks, with a proof that they deviate from the path of
 //!    the run by at most the tolerance (`stretches`). A run longer than [`WINDOW`] blocks is fitted in parts.
 //! 4. Where the text of the arcs and lines is shorter than the blocks, write it in place of the blocks
-//!    (`text`). Copy all other blocks.
+//!    (`text`). Comments of replaced blocks become lines before their curve, in their order; blank lines
+//!    between these blocks are left out. Copy all other blocks.
 //! 5. After an arc, the control is in G2 or G3, and perhaps in another plane than in the source program. If a
 //!    later line relies on the modes of the source program, write words that restore these modes: a G1 in
 //!    that line, or a block before it.
@@ -29,8 +31,10 @@
 //!   turn.
 //! * Blocks that rely on a mode or on a position that is not known, for example after a macro. At its start,
 //!   a program is taken to be in mm, with absolute coordinates, in the XY plane, and with feeds per minute.
-//! * Blocks to which the program jumps. A jump behind the first [`SCANNED`] bytes to a block that was
-//!   replaced is an error.
+//! * Blocks to which the program jumps. Behind such a block, the modes are known where all ways to it have
+//!   the same modes (`arrivals`). A jump behind the first [`SCANNED`] bytes is an error where it leads to a
+//!   block that was replaced, or to one whose modes were taken as known.
+//! * Blocks with a comment that a control may obey, such as `(MSG, ...)`.
 //!
 //! # Degenerate input
 //! A line longer than [`MAX_LINE_LENGTH`] is an error. Text of any encoding is copied.
@@ -39,21 +43,26 @@
 //! O(n) for n bytes, plus the cost of fitting. Only one line and one window of blocks are in memory at a
 //! time.
 
+mod arrivals;
 mod block;
 mod figures;
 mod labels;
+mod lines;
 mod modes;
 mod run;
 mod stretches;
 mod text;
 
+use self::arrivals::Arrivals;
 use self::block::{Block, MAX_RUN_BLOCK_LENGTH};
 pub use self::figures::{Figures, LeftAlone, RewriteError};
-use self::labels::Labels;
+use self::labels::{Jumps, Labels};
+pub use self::lines::MAX_LINE_LENGTH;
+use self::lines::{Cutter, line_end, whole};
 use self::modes::{Modes, Needs};
 use self::run::{OpenRun, Style};
 use self::stretches::Fitting;
-use self::text::{Output, Tally, Writer, line_end, push_with_g1};
+use self::text::{Output, Tally, Writer, push_with_g1};
 use super::dialect::Dialect;
 use super::nc::{Distance, Motion};
 use toolpathd_core::budget::{Budget, Stopped};
@@ -63,9 +72,6 @@ use toolpathd_core::geometry::arc_fit::{Fit, Joints, Measure};
 /// are written. The next window begins where these curves end. A larger window needs more memory and time; a
 /// smaller window ends more arcs early.
 pub const WINDOW: usize = 4096;
-
-/// The longest line that is read, bytes with the line end. Bounds the memory that one line takes.
-pub const MAX_LINE_LENGTH: usize = 64 * 1024;
 
 /// Bytes whose jumps are found before anything is written. More would hold back answers to long programs.
 pub const SCANNED: usize = 256 * 1024;
@@ -93,19 +99,22 @@ pub struct Rewriter {
     modes: Modes,
     output: Output,
     run: OpenRun,
-    /// The start of a line whose end has not come yet.
-    partial: Vec<u8>,
+    cutter: Cutter,
     /// The text for a window.
     written: Vec<u8>,
     /// The text for a block of the window.
     written_block: String,
     line_end: &'static [u8],
     n_lines: u64,
-    /// Blocks at which the program may arrive: they are in no run, and `Modes::forgotten` holds before them.
+    /// Blocks to which the program may jump: they are in no run.
     labels: Labels,
+    /// The modes at these blocks. `Modes::forgotten` holds at others.
+    arrivals: Arrivals,
     /// The start of the program, until its jumps have been found.
     held: Vec<u8>,
     is_scanned: bool,
+    /// The lines whose jumps `arrivals` knows.
+    n_scanned_lines: u64,
     /// The S in force, where it is known, in millionths.
     speed: Option<i64>,
     figures: Figures,
@@ -126,14 +135,16 @@ impl Rewriter {
             modes: Modes::START,
             output: Output::default(),
             run: OpenRun::default(),
-            partial: Vec::new(),
+            cutter: Cutter::default(),
             written: Vec::new(),
             written_block: String::new(),
             line_end: b"\n",
             n_lines: 0,
             labels: Labels::default(),
+            arrivals: Arrivals::default(),
             held: Vec::new(),
             is_scanned: false,
+            n_scanned_lines: 0,
             speed: None,
             figures: Figures::default(),
         }
@@ -149,34 +160,28 @@ impl Rewriter {
             return self.take(bytes, out, budget);
         }
         self.held.extend_from_slice(bytes);
-        if self.held.len() > SCANNED { self.scan(out, budget) } else { Ok(()) }
+        if self.held.len() > SCANNED { self.scan(false, out, budget) } else { Ok(()) }
     }
 
     /// Finds the jumps of the start of the program, and rewrites it.
-    fn scan(&mut self, out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
+    fn scan(&mut self, is_whole: bool, out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
         self.is_scanned = true;
         let held = std::mem::take(&mut self.held);
         budget.check()?;
-        self.labels.find(&held);
+        self.labels.find(&held, self.job.dialect);
+        let scanned = if is_whole { &held[..] } else { &held[..whole(&held)] };
+        self.arrivals = Arrivals::find(scanned, &self.labels, self.job.dialect, budget)?;
+        self.n_scanned_lines = lines::split(scanned).count() as u64;
         self.take(&held, out, budget)
     }
 
     fn take(&mut self, bytes: &[u8], out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
         let before = out.len();
-        for part in bytes.split_inclusive(|&c| c == b'\n') {
-            let is_whole = part.ends_with(b"\n");
-            if is_whole && self.partial.is_empty() {
-                self.line(part, out, budget)?;
-                continue;
-            }
-            self.check_length(self.partial.len() + part.len())?;
-            self.partial.extend_from_slice(part);
-            if is_whole {
-                self.partial_line(out, budget)?;
-            }
-        }
+        let mut cutter = std::mem::take(&mut self.cutter);
+        let taken = cutter.push(bytes, |line| self.line(line, out, budget));
+        self.cutter = cutter;
         self.figures.bytes_out += (out.len() - before) as u64;
-        Ok(())
+        taken
     }
 
     /// Ends the input; the last line may lack its line end.
@@ -185,12 +190,12 @@ impl Rewriter {
     /// As [`Rewriter::push`].
     pub fn finish(&mut self, out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
         if !self.is_scanned {
-            self.scan(out, budget)?;
+            self.scan(true, out, budget)?;
         }
         let before = out.len();
-        if !self.partial.is_empty() {
-            self.partial_line(out, budget)?;
-        }
+        let mut cutter = std::mem::take(&mut self.cutter);
+        let taken = cutter.finish(|line| self.line(line, out, budget));
+        taken?;
         self.end_run(out, budget)?;
         self.figures.bytes_out += (out.len() - before) as u64;
         Ok(())
@@ -200,24 +205,8 @@ impl Rewriter {
         &self.figures
     }
 
-    fn partial_line(&mut self, out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
-        let line = std::mem::take(&mut self.partial);
-        self.line(&line, out, budget)?;
-        self.partial = line;
-        self.partial.clear();
-        Ok(())
-    }
-
-    fn check_length(&self, length: usize) -> Result<(), RewriteError> {
-        if length > MAX_LINE_LENGTH {
-            return Err(RewriteError::LineTooLong { line: self.n_lines + 1, limit: MAX_LINE_LENGTH });
-        }
-        Ok(())
-    }
-
     /// Takes the next line with its end, if it has one.
     fn line(&mut self, line: &[u8], out: &mut Vec<u8>, budget: &Budget) -> Result<(), RewriteError> {
-        self.check_length(line.len())?;
         if self.n_lines.is_multiple_of(LINES_BETWEEN_CHECKS) {
             budget.check()?;
         }
@@ -228,7 +217,13 @@ impl Rewriter {
         }
         let text = &line[..line.len() - end.len()];
         let block = if self.n_lines == 1 { Block::read_first(text) } else { Block::read(text) };
-        let may_be_in_run = text.len() <= MAX_RUN_BLOCK_LENGTH && block.may_be_in_run();
+        let block = block.on(self.job.dialect);
+        let is_short = text.len() <= MAX_RUN_BLOCK_LENGTH && self.run.has_room(line.len());
+        if is_short && !self.run.blocks.is_empty() && block.is_remark() {
+            self.run.push_remark(line);
+            return Ok(());
+        }
+        let may_be_in_run = is_short && block.may_be_in_run();
         if may_be_in_run && self.join(line, &block, out, budget)? {
             self.figures.n_motions += 1;
         } else {
@@ -283,6 +278,8 @@ impl Rewriter {
         if is_line || is_unknown {
             let (may_arrive, allows_runs) = (self.may_arrive(line, block), self.modes.allow_runs());
             self.figures.left_alone.add(block, may_arrive, allows_runs && !is_unknown);
+        } else {
+            self.figures.n_other_motions += 1;
         }
     }
 
@@ -291,14 +288,21 @@ impl Rewriter {
         self.labels.hold(&line[block.number.clone()])
     }
 
+    /// The modes that hold at a label, also where the program arrives from above.
+    fn modes_at(&self, number: &[u8]) -> Modes {
+        self.arrivals.at(number).map_or(self.modes.forgotten(), |modes| modes.common_with(&self.modes))
+    }
+
     /// Writes a line that is in no run, and follows its words.
     fn pass(&mut self, line: &[u8], block: &Block, out: &mut Vec<u8>) -> Result<(), RewriteError> {
         let dialect = self.job.dialect;
         let may_arrive = self.may_arrive(line, block);
-        if !self.labels.meet(line, block) {
+        let jumps = Jumps::of(&line[..line.len() - line_end(line).len()], block);
+        let is_late = self.n_lines > self.n_scanned_lines;
+        if !self.labels.meet(&jumps) || is_late && self.arrivals.are_broken_by(&jumps) {
             return Err(RewriteError::LateJump { line: self.n_lines, limit: SCANNED });
         }
-        let before = if may_arrive { self.modes.forgotten() } else { self.modes };
+        let before = if may_arrive { self.modes_at(&line[block.number.clone()]) } else { self.modes };
         let (next, needs) = before.read(block, dialect);
         let needs = if may_arrive { Needs::ALL } else { needs };
         if self.output.settle(&needs, &self.modes, dialect, self.line_end, out) {
@@ -387,6 +391,7 @@ impl Rewriter {
             dialect: self.job.dialect,
             style,
             output: self.output,
+            line_end: self.line_end,
             text: &mut self.written,
             line: &mut self.written_block,
             tally: Tally::default(),

@@ -21,6 +21,7 @@ use toolpathd_core::toolpath::{Builder, Role};
 pub mod accepted_arcs;
 mod approach;
 mod blank;
+mod comments;
 mod corrupted;
 mod custom;
 mod cycles;

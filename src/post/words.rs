@@ -161,7 +161,37 @@ pub fn cleaned(text: &str, limit: usize) -> String {
     clean
 }
 
-/// Clean text in lines of at most `limit` characters, broken between words where possible.
+/// User text as [`cleaned`] makes it, no longer than `limit`. A longer text ends behind a whole word; a word
+/// that is longer alone is cut, but within no number.
+pub fn shortened(text: &str, limit: usize) -> String {
+    let mut clean = cleaned(text, limit + 1);
+    if clean.len() > limit {
+        let kept = clean.rfind(' ').unwrap_or_else(|| outside_number(&clean, limit));
+        clean.truncate(kept);
+    }
+    clean
+}
+
+/// The last place up to `limit` at which a word can be cut within no number; 0 if there is none.
+fn outside_number(word: &str, limit: usize) -> usize {
+    let is_number = |c: char| c.is_ascii_digit() || "+-.".contains(c);
+    word[..limit].trim_end_matches(is_number).len()
+}
+
+/// The words with which comments begin that LinuxCNC obeys (its manual, *G-code overview*, *Comments*). The
+/// interpreter skips blanks, and reads small letters as capitals.
+const ACTIVE: [&str; 10] =
+    ["MSG", "PRINT", "DEBUG", "LOG", "PROBEOPEN", "PROBECLOSE", "PYRUN", "PYRELOAD", "ABORT", "SYSTEM"];
+
+/// Whether a text in capitals begins as a comment that a control may obey.
+pub fn begins_like_a_command(text: &str) -> bool {
+    let packed = text.replace(' ', "");
+    let is_python = packed.starts_with("PY,") || text.split(' ').next() == Some("PY");
+    is_python || ACTIVE.iter().any(|word| packed.starts_with(word))
+}
+
+/// Clean text in lines of at most `limit` characters, broken between words where possible, else within no
+/// number where possible.
 pub fn lines(text: &str, limit: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for mut word in text.split(' ') {
@@ -174,7 +204,8 @@ pub fn lines(text: &str, limit: usize) -> Vec<String> {
             _ => {}
         }
         while word.len() > limit {
-            let (part, rest) = word.split_at(limit.max(1));
+            let cut = Some(outside_number(word, limit)).filter(|cut| *cut > 0).unwrap_or(limit.max(1));
+            let (part, rest) = word.split_at(cut);
             lines.push(part.to_owned());
             word = rest;
         }
@@ -240,6 +271,38 @@ mod tests {
         assert_eq!(cleaned("Müller Ж 木 50+/=#", 100), "MULLER ZH MU 50+/=#");
         assert_eq!(cleaned(" \n ", 100), "");
         assert_eq!(cleaned(&"(".repeat(10_000), 100), "");
+    }
+
+    #[test]
+    fn a_shortened_text_ends_behind_a_word_and_within_no_number() {
+        assert_eq!(shortened("range 10.125 to 20.250", 22), "RANGE 10.125 TO 20.250");
+        for limit in 16..22 {
+            assert_eq!(shortened("range 10.125 to 20.250", limit), "RANGE 10.125 TO".to_owned(), "{limit}");
+        }
+        assert_eq!(shortened("part12345-678.9 x", 10), "PART");
+        assert_eq!(shortened("plateholder", 5), "PLATE");
+        assert_eq!(shortened("1234567", 5), "");
+    }
+
+    #[test]
+    fn active_comments_are_told_by_their_first_letters() {
+        for name in [
+            "LOG,A",
+            "LOGOPEN X",
+            "L O G",
+            "DEBUG 5",
+            "PROBEOPEN A.TXT",
+            "PRINT",
+            "MSG HI",
+            "PY",
+            "PYRUN X",
+            "ABORT",
+        ] {
+            assert!(begins_like_a_command(name), "{name}");
+        }
+        for name in ["DIE 7", "PYRAMID", "A LOG", "PROBE", "7 MSG", ""] {
+            assert!(!begins_like_a_command(name), "{name}");
+        }
     }
 
     proptest! {

@@ -248,11 +248,13 @@ fn bar() -> ProgressBar {
 const SHORTEST: Duration = Duration::from_millis(1);
 
 fn show(bar: &ProgressBar, progress: &Progress, begun: Instant) {
-    let Progress { n_characters, n_characters_total, n_lines, n_lines_total, is_waiting } = *progress;
+    let Progress { n_characters, n_characters_total, n_lines, n_lines_total, is_waiting, is_paused } =
+        *progress;
     bar.set_length(n_characters_total as u64);
     bar.set_position(n_characters as u64);
     let rate = n_characters as f64 / begun.elapsed().max(SHORTEST).as_secs_f64();
     let state = match (n_characters_total - n_characters) as f64 / rate {
+        _ if is_paused => "the machine waits for its operator".to_owned(),
         _ if is_waiting => "waiting for the control".to_owned(),
         left if left.is_finite() => format!("{rate:.0} characters/s, {left:.0} s left"),
         _ => "starting".to_owned(),

@@ -47,6 +47,8 @@ pub enum Effect {
     Position(PositionEffect),
     /// G80 ends the mode of motion.
     NoMotion,
+    /// Another program runs, and may leave other modes. The words of the block are its parameters.
+    Leaves,
     /// Neither modes nor the position change.
     Nothing,
     Unknown,
@@ -104,6 +106,7 @@ pub fn effect(tenths: i32) -> Effect {
         511 => Effect::Begins(Mirror, Taken),
         610 => Effect::Begins(ExactStop, Kept),
         611 | 620 | 630 | 640 => Effect::Ends(ExactStop, Kept),
+        650 => Effect::Leaves,
         660 | 661 => Effect::Begins(ModalMacro, Taken),
         670 => Effect::Ends(ModalMacro, Shifted),
         680..=684 | 2540 => Effect::Begins(Rotation, Taken),
@@ -113,7 +116,7 @@ pub fn effect(tenths: i32) -> Effect {
         530 | 531 => Effect::Position(Elsewhere),
         430 | 440 | 540..=599 => Effect::Position(Shifted),
         40 => Effect::Position(Idle),
-        90 | 960 | 970 | 980 | 990 => Effect::Nothing,
+        90 | 960 | 970 | 980 | 990 | 1870 => Effect::Nothing,
         _ => Effect::Unknown,
     }
 }
@@ -176,7 +179,7 @@ impl<P, F> Modal<P, F> {
             Effect::Begins(modifier, _) => self.modifiers |= modifier as u16,
             Effect::Ends(modifier, _) => self.modifiers &= !(modifier as u16),
             Effect::NoMotion => self.motion = None,
-            Effect::Position(_) | Effect::Nothing | Effect::Unknown => {}
+            Effect::Position(_) | Effect::Nothing | Effect::Leaves | Effect::Unknown => {}
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
+use crate::dialect::Dialect;
 use crate::nc::{Codes, Decimal, Lexer, Token};
+use crate::words::begins_like_a_command;
 
 /// Longest line that may stand in a run, bytes. Bounds the memory of a window of such lines.
 pub const MAX_RUN_BLOCK_LENGTH: usize = 256;
@@ -12,6 +14,9 @@ const OTHER_AXES: &[u8] = b"ABCUVW";
 
 /// Other letters that may carry a value: parameters of G and M words, and O, T, H and S.
 const PARAMETERS: &[u8] = b"DHIJKLOPQRST";
+
+/// The code, in tenths, beside which E is a parameter: the smoothing of Haas.
+const SMOOTHING: i32 = 1870;
 
 /// The only letters that a block of a run may have.
 const RUN_LETTERS: &[u8] = b"GXYZFS";
@@ -45,6 +50,10 @@ pub struct Block {
     /// The line begins with a block delete: a switch of the machine decides whether the line is run.
     pub is_optional: bool,
     pub has_comment: bool,
+    /// The line has a comment that a control may obey.
+    pub has_active_comment: bool,
+    /// Text stands behind a semicolon.
+    pub has_line_comment: bool,
     /// The line has a percent sign, which begins and ends programs.
     pub has_tape_mark: bool,
     /// The line has an expression, a variable, an unknown word, or two words of one letter.
@@ -54,6 +63,8 @@ pub struct Block {
     pub is_assignment: bool,
     /// The line is unclear and has a GOTO.
     pub jumps: bool,
+    /// The line is unclear, but only jumps to a number, perhaps under a condition: no mode changes.
+    pub is_plain_jump: bool,
 }
 
 impl Block {
@@ -64,6 +75,7 @@ impl Block {
             block.is_unclear = true;
             block.is_assignment = is_assignment(&line[block.first..]);
             block.jumps = line.windows(4).any(|word| word.eq_ignore_ascii_case(b"GOTO"));
+            block.is_plain_jump = block.jumps && is_plain_jump(&line[block.first..]);
         }
         block
     }
@@ -81,12 +93,25 @@ impl Block {
         block
     }
 
-    /// Whether the line gives only the end of a G1 block, and at most its feed and its speed.
+    /// The line as a control reads it. Where a semicolon ends blocks, text behind one may be the next block.
+    pub fn on(mut self, dialect: &Dialect) -> Self {
+        self.is_unclear |= self.has_line_comment && dialect.ends_blocks_with_semicolons();
+        self
+    }
+
+    /// Whether the line gives only the end of a G1 block, and at most its feed, its speed and comments for
+    /// people.
     pub fn may_be_in_run(&self) -> bool {
-        let is_marked = self.is_optional || self.has_comment || self.has_tape_mark;
+        let is_marked = self.is_optional || self.has_active_comment || self.has_tape_mark;
         let is_plain = !(self.is_unclear || self.is_rounded || is_marked);
         let others = self.letters & !bits(RUN_LETTERS);
         is_plain && others == 0 && matches!(self.g.all(), [] | [10]) && self.axes.iter().any(Option::is_some)
+    }
+
+    /// Whether the line has nothing but comments for people.
+    pub fn is_remark(&self) -> bool {
+        let has_marks = self.is_optional || self.has_active_comment || self.has_tape_mark;
+        !(self.is_unclear || has_marks) && self.letters == 0 && self.number.is_empty()
     }
 
     pub fn has(&self, letters: &[u8]) -> bool {
@@ -120,7 +145,8 @@ impl Block {
                 beginning = Beginning::Over;
                 self.first = place.start;
             }
-            self.is_spaced |= self.end > 0 && place.start > self.end;
+            let is_comment = matches!(token, Token::Comment { .. });
+            self.is_spaced |= self.end > 0 && place.start > self.end && !is_comment;
             self.end = place.end;
             match token {
                 Token::Word { letter, number, value } => {
@@ -133,7 +159,7 @@ impl Block {
                     };
                     self.word(letter, value, place)?;
                 }
-                Token::Comment { is_closed: true } => self.has_comment = true,
+                Token::Comment { is_closed: true } => self.comment(&line[place]),
                 Token::TapeMark => self.has_tape_mark = true,
                 Token::Comment { is_closed: false } | Token::BlockDelete | Token::Unknown => return None,
             }
@@ -141,7 +167,16 @@ impl Block {
         if beginning != Beginning::Over {
             self.first = line.len();
         }
-        Some(())
+        // Elsewhere E may be an axis.
+        (!self.has(b"E") || self.g.has(SMOOTHING)).then_some(())
+    }
+
+    fn comment(&mut self, comment: &[u8]) {
+        self.has_comment = true;
+        self.has_line_comment |= comment.starts_with(b";") && !is_bare(comment);
+        let inside: Vec<u8> = comment[1..].iter().filter(|c| !c.is_ascii_whitespace()).copied().collect();
+        let inside = String::from_utf8_lossy(&inside).to_uppercase();
+        self.has_active_comment |= begins_like_a_command(&inside);
     }
 
     #[inline]
@@ -154,11 +189,17 @@ impl Block {
             b'X' | b'Y' | b'Z' => self.axes[usize::from(letter - b'X')] = Some(number),
             b'F' => self.feed = Some((number, place)),
             b'S' => self.speed = Some(number),
+            b'E' => {}
             _ if OTHER_AXES.contains(&letter) || PARAMETERS.contains(&letter) => {}
             _ => return None,
         }
         (!is_repeated).then_some(())
     }
+}
+
+/// Whether a comment is a semicolon alone, which may stand for the end of a block.
+pub fn is_bare(comment: &[u8]) -> bool {
+    comment.starts_with(b";") && comment[1..].trim_ascii().is_empty()
 }
 
 /// What may come next at the beginning of a line.
@@ -194,6 +235,40 @@ fn is_assignment(code: &[u8]) -> bool {
     code.first() == Some(&b'#') && code.contains(&b'=') && !code.iter().any(|c| b"GMOgmo".contains(c))
 }
 
+/// Whether `code` is `GOTO 10` or `IF [...] GOTO 10`, perhaps with comments behind.
+fn is_plain_jump(code: &[u8]) -> bool {
+    let end = code.iter().position(|c| matches!(c, b'(' | b';')).unwrap_or(code.len());
+    let packed: Vec<u8> = code[..end].iter().filter(|c| !c.is_ascii_whitespace()).copied().collect();
+    let packed = packed.to_ascii_uppercase();
+    let behind_condition = match packed.strip_prefix(b"IF") {
+        Some(rest) => match closing_bracket(rest) {
+            Some(end) => &rest[end..],
+            None => return false,
+        },
+        None => &packed[..],
+    };
+    let Some(target) = behind_condition.strip_prefix(b"GOTO") else { return false };
+    let target = target.strip_prefix(b"N").unwrap_or(target);
+    !target.is_empty() && target.iter().all(u8::is_ascii_digit)
+}
+
+/// The place behind the bracket that closes the one at the start of `text`.
+fn closing_bracket(text: &[u8]) -> Option<usize> {
+    let mut depth = 0u32;
+    for (at, c) in text.iter().enumerate() {
+        match c {
+            b'[' => depth += 1,
+            b']' => depth = depth.checked_sub(1)?,
+            _ if depth == 0 => return None,
+            _ => {}
+        }
+        if depth == 0 {
+            return Some(at + 1);
+        }
+    }
+    None
+}
+
 /// A bit for each capital letter.
 fn bits(letters: &[u8]) -> u32 {
     letters.iter().fold(0, |bits, letter| bits | 1 << (letter - b'A'))
@@ -205,7 +280,18 @@ mod tests {
 
     #[test]
     fn a_block_of_a_run_has_a_number_g1_coordinates_and_a_feed_only() {
-        for line in ["X1", "X1 S5", "n10 g01 x.5 Y -3 F100", "  Z+3.", "G1X1Y2Z3F4", "N 7X-0", "X1 G1"] {
+        for line in [
+            "X1",
+            "X1 S5",
+            "X1 (a)",
+            "(a) X1 ; b",
+            "X1;",
+            "n10 g01 x.5 Y -3 F100",
+            "  Z+3.",
+            "G1X1Y2Z3F4",
+            "N 7X-0",
+            "X1 G1",
+        ] {
             assert!(Block::read(line.as_bytes()).may_be_in_run(), "{line}");
         }
         let others = [
@@ -219,8 +305,10 @@ mod tests {
             "G1 G1 X1",
             "G0 X1",
             "G2 X1",
-            "X1 (a)",
-            "X1;",
+            "X1 (MSG, a)",
+            "X1 ;log,a",
+            "X1 (a",
+            "X1 E5",
             "/X1",
             "X#1",
             "X[1]",
@@ -271,6 +359,13 @@ mod tests {
         {
             assert!(Block::read(text.as_bytes()).is_unclear, "{text}");
         }
+        for text in ["GOTO 5", "N5 IF [#1 EQ [2]] GOTO N10 (back)", "if[#1 gt 2]goto10"] {
+            assert!(Block::read(text.as_bytes()).is_plain_jump, "{text}");
+        }
+        for text in ["GOTO #1", "GOTO 5 G91", "IF [#1] X5 GOTO 10", "IF #1 GOTO 5", "IF [1 GOTO 5", "GOTO"] {
+            assert!(!Block::read(text.as_bytes()).is_plain_jump, "{text}");
+        }
+        assert!(!Block::read(b"G187 P2 E0.1").is_unclear && Block::read(b"G64 E1").is_unclear);
         assert!(Block::read(b"if [1] goto 5").jumps && !Block::read(b"#1=5").jumps);
         assert!(Block::read(b"N5 #1=[#2*SIN[3]] (GO)").is_assignment);
         assert!(!Block::read(b"#1=5 G91").is_assignment && !Block::read(b"X#1").is_assignment);

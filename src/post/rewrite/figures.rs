@@ -1,6 +1,7 @@
 //! What changed in a program, and why a program is not rewritten to its end.
 
 use super::block::Block;
+use super::lines::{MAX_LINE_LENGTH, TooLong};
 use toolpathd_core::budget::Stopped;
 
 /// What changed in an NC program.
@@ -22,6 +23,9 @@ pub struct Figures {
     pub deviation_max_mm: f64,
     /// Number of blocks of the program that move an axis.
     pub n_motions: u64,
+    /// Number of blocks that move at rapid speed or along arcs. Together with `n_points` and all counts of
+    /// `left_alone`, they are `n_motions`.
+    pub n_other_motions: u64,
     /// How many cutting blocks were left as they were, by reason.
     pub left_alone: LeftAlone,
     /// Length of the program as sent, in bytes.
@@ -42,8 +46,8 @@ pub struct LeftAlone {
     pub modes: u64,
     /// Number of blocks to which the program may jump.
     pub labels: u64,
-    /// Number of other blocks: with a comment, a block delete, words beside N, G1, X, Y, Z, F and the S in
-    /// force, a number of more than six decimals, or a start that is not known.
+    /// Number of other blocks: with a comment that a control may obey, a block delete, words beside N, G1, X,
+    /// Y, Z, F and the S in force, a number of more than six decimals, or a start that is not known.
     pub others: u64,
     /// Number of blocks in runs of fewer than three blocks.
     pub short_runs: u64,
@@ -88,4 +92,10 @@ pub enum RewriteError {
         line: u64,
         limit: usize,
     },
+}
+
+impl From<TooLong> for RewriteError {
+    fn from(TooLong { line }: TooLong) -> Self {
+        Self::LineTooLong { line, limit: MAX_LINE_LENGTH }
+    }
 }

@@ -1,13 +1,15 @@
 //! The blocks to which a program may jump.
 //!
 //! # Method
-//! GOTO, M97 P, M99 P, and P and Q of G70 to G76 name blocks by their numbers. A jump to a computed number
-//! may lead to every numbered block.
+//! GOTO, M97 P, M98 Q, M99 P, and P and Q of G70 to G76 name blocks by their numbers. A jump to a computed
+//! number may lead to every numbered block.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use super::block::Block;
+use super::lines::{line_end, split};
+use crate::dialect::Dialect;
 use crate::nc::{Lexer, Token};
 
 /// Labels that are told apart. A program with more has every numbered block as a label.
@@ -28,42 +30,37 @@ pub struct Labels {
 
 impl Labels {
     /// Takes the jumps of a text.
-    pub fn find(&mut self, text: &[u8]) {
-        for line in text.split(|c| *c == b'\n') {
-            self.meet(line, &Block::read(line));
+    pub fn find(&mut self, text: &[u8], dialect: &Dialect) {
+        for line in split(text) {
+            let line = &line[..line.len() - line_end(line).len()];
+            self.meet(&Jumps::of(line, &Block::read(line).on(dialect)));
         }
     }
 
     /// Takes the jumps of a line. False where a jump may lead to a block that was replaced.
-    pub fn meet(&mut self, line: &[u8], block: &Block) -> bool {
-        let mut targets = Vec::new();
-        let is_clear = if block.is_unclear {
-            unclear(line, block, &mut targets)
-        } else {
-            let jumps = block.m.has(970) || block.m.has(990);
-            let has_range = block.g.all().iter().any(|code| (700..=760).contains(code));
-            if jumps || has_range {
-                words(line, if jumps { b"P" } else { b"PQ" }, &mut targets)
-            } else {
-                true
-            }
-        };
+    pub fn meet(&mut self, jumps: &Jumps) -> bool {
+        let Jumps { targets, are_clear } = jumps;
         let was_found = targets.iter().any(|target| self.replaced.iter().any(|own| own.contains(target)));
-        let is_lost = was_found || !is_clear && !self.replaced.is_empty();
+        let is_lost = was_found || !are_clear && !self.replaced.is_empty();
         self.numbers.extend(targets);
-        self.are_all |= !is_clear || self.numbers.len() > MAX_LABELS;
+        self.are_all |= !are_clear || self.numbers.len() > MAX_LABELS;
         !is_lost
+    }
+
+    /// Whether there are labels, and each of them is named by its jumps.
+    pub fn are_known(&self) -> bool {
+        !self.are_all && !self.numbers.is_empty()
+    }
+
+    /// The number of the label with this N word; `None` where no jump names the block.
+    pub fn label(&self, word: &[u8]) -> Option<u64> {
+        number(word).filter(|number| self.numbers.contains(number))
     }
 
     /// Whether the program may jump to the block with this N word; an empty word is no label.
     pub fn hold(&self, word: &[u8]) -> bool {
         // Few programs jump, and every block is asked.
-        if self.are_all { !word.is_empty() } else { !self.numbers.is_empty() && self.names(word) }
-    }
-
-    /// Whether a jump names the block with this N word.
-    fn names(&self, word: &[u8]) -> bool {
-        number(word).is_some_and(|number| self.numbers.contains(&number))
+        if self.are_all { !word.is_empty() } else { !self.numbers.is_empty() && self.label(word).is_some() }
     }
 
     /// Remembers that blocks with these N words were replaced.
@@ -82,8 +79,37 @@ impl Labels {
     }
 }
 
+/// The blocks to which a line jumps.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Jumps {
+    pub targets: Vec<u64>,
+    /// No jump is computed.
+    pub are_clear: bool,
+}
+
+impl Jumps {
+    /// The jumps of a line without its end.
+    pub fn of(line: &[u8], block: &Block) -> Self {
+        let mut targets = Vec::new();
+        let are_clear = if block.is_unclear {
+            unclear(line, block, &mut targets)
+        } else {
+            let has_range = block.g.all().iter().any(|code| (700..=760).contains(code));
+            let letters: &[u8] = match () {
+                () if block.m.has(970) || block.m.has(990) => b"P",
+                // M98 Q calls a part of the program that begins at a block; on some controls, H does.
+                () if block.m.has(980) => b"QH",
+                () if has_range => b"PQ",
+                () => b"",
+            };
+            letters.is_empty() || words(line, letters, &mut targets)
+        };
+        Self { targets, are_clear }
+    }
+}
+
 /// The number of an N word.
-fn number(word: &[u8]) -> Option<u64> {
+pub fn number(word: &[u8]) -> Option<u64> {
     let mut digits = word.iter().filter(|c| c.is_ascii_digit()).map(|c| u64::from(c - b'0')).peekable();
     digits.peek()?;
     digits.try_fold(0u64, |number, digit| number.checked_mul(10)?.checked_add(digit))
@@ -135,7 +161,7 @@ mod tests {
     fn labels(lines: &[&str]) -> Labels {
         let mut labels = Labels::default();
         for line in lines {
-            labels.meet(line.as_bytes(), &Block::read(line.as_bytes()));
+            labels.meet(&Jumps::of(line.as_bytes(), &Block::read(line.as_bytes())));
         }
         labels
     }
@@ -149,6 +175,7 @@ mod tests {
             "M97 P40 L2",
             "G70 P50 Q60",
             "G65 P70",
+            "M98 P80 Q90",
         ]);
         for (word, is_label) in [
             ("N200", true),
@@ -157,6 +184,8 @@ mod tests {
             ("N40", true),
             ("N60", true),
             ("N70", false),
+            ("N80", false),
+            ("N90", true),
             ("", false),
         ] {
             assert_eq!(found.hold(word.as_bytes()), is_label, "{word}");
@@ -170,8 +199,9 @@ mod tests {
     fn a_jump_to_a_replaced_block_is_told() {
         let mut labels = Labels::default();
         labels.replace([b"N10".as_slice(), b"N20", b""].into_iter());
-        let meets =
-            |labels: &mut Labels, line: &str| labels.meet(line.as_bytes(), &Block::read(line.as_bytes()));
+        let meets = |labels: &mut Labels, line: &str| {
+            labels.meet(&Jumps::of(line.as_bytes(), &Block::read(line.as_bytes())))
+        };
         assert!(
             meets(&mut labels, "GOTO 30") && !meets(&mut labels, "GOTO 15") && !meets(&mut labels, "GOTO #1")
         );

@@ -3,10 +3,13 @@
 use super::block::Block;
 use crate::dialect::{Dialect, Point};
 use crate::nc::{
-    Decimal, Distance, Effect, FeedMode, Function, Modal, Motion, PositionEffect, effect, function,
+    Decimal, Distance, Effect, FeedMode, Function, Modal, Modifier, Motion, PositionEffect, effect, function,
     is_coordinate,
 };
 use toolpathd_core::toolpath::program::Units;
+
+/// The code of a dwell, in tenths.
+const DWELL: i32 = 40;
 
 /// The modal state before a line. Coordinates are millionths of a unit of the program.
 pub type Modes = Modal<i64, Feed>;
@@ -57,7 +60,9 @@ impl Modes {
         };
         let is_known = self.units.is_some() && self.distance.is_some() && self.plane.is_some();
         let has_feed_mode = matches!(self.feed_mode, Some(FeedMode::InverseTime | FeedMode::PerMinute));
-        self.modifiers == 0 && may_write_centers && is_known && has_feed_mode
+        // Under exact stop, the control stops at the end of each block, wherever that is.
+        let modifiers = self.modifiers & !(Modifier::ExactStop as u16);
+        modifiers == 0 && may_write_centers && is_known && has_feed_mode
     }
 
     /// The modes that are still known after another part of the program, or another program, has run. Units,
@@ -72,6 +77,9 @@ impl Modes {
     pub fn read(&self, block: &Block, dialect: &Dialect) -> (Self, Needs) {
         if block.is_assignment {
             return (Self { feed: None, at: [None; 3], ..*self }, Needs::ALL);
+        }
+        if block.is_plain_jump {
+            return (*self, Needs::ALL);
         }
         if block.is_unclear {
             return (self.forgotten(), Needs::ALL);
@@ -92,6 +100,7 @@ impl Modes {
             moves_axes: true,
             loses_place: false,
             is_unknown: false,
+            leaves: false,
         };
         block.g.all().iter().for_each(|&code| reading.take(effect(code)));
         block.m.all().iter().for_each(|&code| reading.function(function(code)));
@@ -99,9 +108,13 @@ impl Modes {
             reading.place(PositionEffect::Shifted);
         }
         if let Some((feed, _)) = block.feed {
-            reading.modes.feed = Some(Feed::of(feed, dialect));
+            // F of a dwell is a time on some controls.
+            reading.modes.feed = Some(Feed::of(feed, dialect)).filter(|_| !block.g.has(DWELL));
         }
         reading.go(block, dialect);
+        if reading.leaves {
+            reading.modes = reading.modes.forgotten();
+        }
         (reading.modes, reading.needs)
     }
 
@@ -145,6 +158,8 @@ struct OpenBlock {
     moves_axes: bool,
     loses_place: bool,
     is_unknown: bool,
+    /// Another program runs, or has run at blocks before this one.
+    leaves: bool,
 }
 
 impl OpenBlock {
@@ -159,7 +174,8 @@ impl OpenBlock {
                 self.modes.feed = None;
             }
             Effect::FeedMode(_) if self.modes.feed_mode != before.feed_mode => self.modes.feed = None,
-            Effect::Begins(_, place) | Effect::Ends(_, place) => {
+            Effect::Begins(modifier, place) | Effect::Ends(modifier, place) => {
+                self.leaves |= modifier == Modifier::ModalMacro;
                 self.needs.plane = true;
                 self.place(place);
             }
@@ -171,6 +187,7 @@ impl OpenBlock {
                 self.needs.motion = MotionNeed::Mode;
                 self.place(PositionEffect::Shifted);
             }
+            Effect::Leaves => (self.is_unknown, self.leaves) = (true, true),
             Effect::Unknown => self.is_unknown = true,
             _ => {}
         }
@@ -184,10 +201,7 @@ impl OpenBlock {
                 self.needs = Needs::END;
                 self.modes = self.modes.forgotten();
             }
-            Function::Leaves => {
-                self.is_unknown = true;
-                self.modes = self.modes.forgotten();
-            }
+            Function::Leaves => (self.is_unknown, self.leaves) = (true, true),
             Function::Restores => {
                 self.is_unknown = true;
                 self.modes = Modes { modifiers: self.modes.modifiers, ..Modes::UNKNOWN };

@@ -14,11 +14,17 @@ use toolpathd_core::toolpath::program::{Resolution, Units};
 /// blocks of visibly different speeds; a smaller value ends runs at the rounding of feeds.
 const SPEED_AGREEMENT: f64 = 0.01;
 
+/// Most bytes of the text of a run that is not written yet. Blocks alone never reach it; remarks may.
+const MAX_TEXT: usize = 1024 * 1024;
+
 /// One block of a run. Places within the block are counted from the start of its text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
-    /// The range of the block in the run's text, with its line end.
+    /// The range of the block in the run's text, with the remarks behind it and all line ends.
     pub text: Range<usize>,
+    /// The length of its own line, with its line end.
+    pub length: usize,
+    pub has_comment: bool,
     /// The N word; empty where there is none.
     pub number: Range<usize>,
     /// The start of the first word after the N word.
@@ -122,6 +128,8 @@ impl OpenRun {
         self.text.extend_from_slice(text);
         self.blocks.push(Placed {
             text: start..self.text.len(),
+            length: text.len(),
+            has_comment: block.has_comment,
             number: block.number.clone(),
             first: block.first,
             has_g1: block.g.has(10),
@@ -145,9 +153,32 @@ impl OpenRun {
         }
     }
 
+    /// Takes a line without words, which stands behind the last block.
+    pub fn push_remark(&mut self, text: &[u8]) {
+        self.text.extend_from_slice(text);
+        if let Some(last) = self.blocks.last_mut() {
+            last.text.end = self.text.len();
+        }
+    }
+
+    /// Whether the run has room for a line of this length.
+    pub fn has_room(&self, length: usize) -> bool {
+        self.text.len() + length <= MAX_TEXT
+    }
+
+    /// The line of a block with its line end.
+    pub fn line(&self, block: &Placed) -> &[u8] {
+        &self.text[block.text.start..block.text.start + block.length]
+    }
+
+    /// The remarks behind a block, with their line ends.
+    pub fn remarks(&self, block: &Placed) -> &[u8] {
+        &self.text[block.text.start + block.length..block.text.end]
+    }
+
     /// The N words of the first `count` blocks.
     pub fn number_words(&self, count: usize) -> impl Iterator<Item = &[u8]> {
-        self.blocks[..count].iter().map(|block| &self.text[block.text.clone()][block.number.clone()])
+        self.blocks[..count].iter().map(|block| &self.line(block)[block.number.clone()])
     }
 
     /// Forgets the first `count` blocks.

@@ -6,7 +6,9 @@ use crate::dialects::linuxcnc::LINUXCNC;
 use toolpathd_core::geometry::arc_fit::Method;
 
 mod accepted;
+mod comments;
 mod evaluator;
+mod jumps;
 mod random;
 
 use evaluator::{SAGITTA_MM, distance, stops};
@@ -118,13 +120,13 @@ fn a_mode_that_a_line_relies_on_is_set_again() {
 #[test]
 fn nothing_is_fitted_under_a_modifier_or_across_other_lines() {
     let arc = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
-    let bars = "G41 D1|G42|G68 X0 Y0 R30|G51 P2|G51.1 X0|G16|G7|G43.4 H1|G95|G61|G66 P100|G112";
+    let bars = "G41 D1|G42|G68 X0 Y0 R30|G51 P2|G51.1 X0|G16|G7|G43.4 H1|G95|G66 P100|G112";
     for bar in bars.split('|') {
         let program = format!("G17 G21 G90\nG0 X20 Y0 Z0\nG1 F100\n{bar}\nX20 Y0 Z0\n{arc}M30\n");
         assert_eq!(rewritten(&program), program, "{bar}");
     }
     let interrupted = arc.lines().enumerate().map(|(k, line)| match k % 3 {
-        0 => format!("{line}\n(a comment)\n"),
+        0 => format!("{line}\n(MSG, a comment)\n"),
         1 => format!("{line} F{k}\n"),
         _ => format!("/{line}\nA{k}\n{line} M8\n\n"),
     });
@@ -142,13 +144,14 @@ fn a_block_from_an_unknown_position_stays() {
         assert!(output.starts_with(&before) && output.lines().count() < 10, "{output}");
         output.lines().any(|line| line == first)
     };
-    let losing = "G81 X0 Y0 Z-1 R1|G28 Z0|M98 P100|O100 call|G38.2 X5|T1|M6|G54|G92 X0|G43 H1|G49|G52 X1|G53 Z0|#1=5|X#1|O7|\
+    let losing = "G81 X0 Y0 Z-1 R1|G28 Z0|M98 P100|O100 call|G38.2 X5|T1|M6|G54|G92 X0|G43 H1|G49|G52 X1|G53 Z0|#1=5|X#1|O7|G65 P100|G65 P9 X1 G90|\
         WHILE[1]DO1|G10 L2 P1 X0|G20|G5.1 Q1|A5|G69|/X5 Y5|M123|\u{fc}|G1 X1.0000001 Y2.0000001|G1 X1 Y1 R2";
     for line in losing.split('|') {
         assert!(stays(line), "{line}");
     }
     for line in
-        "M8|(G28)|;G28|G4 X1.5|S500|G64 P0.1|G0 X20 Y0|G2 X20 Y0 I1|/M8|F5|N5|G91|G40|G61.1|".split('|')
+        "M8|(G28)|;G28|G4 X1.5|S500|G64 P0.1|G0 X20 Y0|G2 X20 Y0 I1|/M8|F5|N5|G91|G40|G61|G61.1|G187 P2 E0.1|"
+            .split('|')
     {
         assert!(!stays(line), "{line}");
     }
@@ -231,46 +234,6 @@ fn a_spike_and_repeated_points_are_kept() {
     let run = "G1 X1 F9\nX2\nX3\nX3\nX9\nX3\nX4\nX5\nX6\nX6 Y1\nX6 Y0\nX6 Y-1\n";
     let output = check("G0 X0 Y0 Z0\n", run, "M30\n");
     assert!(output.contains("X9") && output.contains("Y1") && output.lines().count() < 12, "{output}");
-}
-
-#[test]
-fn numbered_blocks_behind_a_jump_stay() {
-    let arc = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
-    let numbered: String = arc.lines().map(|line| format!("N5 {line}\n")).collect();
-    let program = format!("G0 X20 Y0 Z0\nG1 F100\nIF[#1 EQ 2]GOTO 5\nG90 G17 G1 X20 Y0 Z0\n{numbered}");
-    assert_eq!(rewritten(&program), program);
-    let other = program.replace("GOTO 5", "THEN #2=1");
-    assert!(rewritten(&other).len() < other.len());
-}
-
-#[test]
-fn a_block_to_which_the_program_jumps_back_keeps_its_number_and_its_place() {
-    let run = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
-    let numbered: String = run.lines().enumerate().map(|(k, line)| format!("N{k} {line}\n")).collect();
-    let start = "G90 G17 G0 X20 Y0 Z0\nG1 F100\n";
-    for jump in ["IF[#1 EQ 2]GOTO 20\n", "M99 P20\n", "M97 P20\n"] {
-        let output = rewritten(&format!("{start}{numbered}{jump}"));
-        let label = run.lines().nth(20).unwrap();
-        assert!(output.lines().any(|line| line.starts_with("N20 ") && line.ends_with(label)), "{output}");
-        // What stands before the label is shorter. Behind it the modes are those of the jump.
-        assert!(output.lines().count() < 28 && output.contains("G3"), "{output}");
-    }
-    let program = format!("{start}{numbered}GOTO #5\n");
-    assert_eq!(rewritten(&program), program);
-}
-
-#[test]
-fn a_late_jump_to_a_replaced_block_is_an_error() {
-    let mut rewriter = Rewriter::new(job(&FANUC));
-    let (budget, mut out) = (Budget::unlimited(), Vec::new());
-    let run = arc(['X', 'Y', 'Z'], 40, 1.0, 0.0);
-    let numbered: String = run.lines().enumerate().map(|(k, line)| format!("N{k} {line}\n")).collect();
-    rewriter
-        .push(format!("G90 G17 G0 X20. Y0. Z0.\nG1 F100.\n{numbered}").as_bytes(), &mut out, &budget)
-        .unwrap();
-    rewriter.push(&b"(a)\n".repeat(SCANNED / 4 + 1), &mut out, &budget).unwrap();
-    let late = rewriter.push(b"GOTO 20\n", &mut out, &budget);
-    assert!(matches!(late, Err(RewriteError::LateJump { limit: SCANNED, .. })), "{late:?}");
 }
 
 #[test]

@@ -1,11 +1,13 @@
 //! Writes the text that replaces blocks of a run, and the words that restore the modes of the source program
 //! behind a run.
 
+use super::block::is_bare;
+use super::lines::{line_end, split};
 use super::modes::{Modes, MotionNeed, Needs};
 use super::run::{OpenRun, Placed, Style, step};
 use super::stretches::Stretch;
 use crate::dialect::{Dialect, Point};
-use crate::nc::{Distance, FeedMode};
+use crate::nc::{Distance, FeedMode, Lexer, Token};
 use crate::words::{self, AXES, OFFSETS, push_fixed};
 use toolpathd_core::geometry::curve::Curve;
 use toolpathd_core::geometry::plane::Plane;
@@ -93,15 +95,6 @@ pub fn push_with_g1(out: &mut Vec<u8>, line: &[u8], first: usize, is_spaced: boo
     out.extend_from_slice(behind);
 }
 
-/// The line end of `line`: none, LF, or CR and LF.
-pub fn line_end(line: &[u8]) -> &'static [u8] {
-    match line {
-        [.., b'\r', b'\n'] => b"\r\n",
-        [.., b'\n'] => b"\n",
-        _ => b"",
-    }
-}
-
 /// Writes stretches of a run.
 pub struct Writer<'a> {
     pub run: &'a OpenRun,
@@ -109,6 +102,8 @@ pub struct Writer<'a> {
     pub dialect: &'a Dialect,
     pub style: Style,
     pub output: Output,
+    /// The line end of lines that get one.
+    pub line_end: &'static [u8],
     pub text: &'a mut Vec<u8>,
     /// The block that is being written.
     pub line: &'a mut String,
@@ -126,7 +121,10 @@ impl Writer<'_> {
         let (start, output, tally) = (self.text.len(), self.output, self.tally);
         if !stretch.curves.is_empty() {
             self.is_refused = false;
+            self.comments(blocks);
             self.curves(from, stretch, blocks);
+            let last = &blocks[blocks.len() - 1];
+            self.text.extend_from_slice(self.run.remarks(last));
             if !self.is_refused && self.text.len() - start < bytes {
                 self.tally.deviation_mm = tally.deviation_mm.max(stretch.deviation_mm);
                 return;
@@ -135,6 +133,23 @@ impl Writer<'_> {
         self.text.truncate(start);
         (self.output, self.tally) = (output, tally);
         self.tally.lines += self.output.keep(self.run, from, stretch.end, self.text).lines;
+    }
+
+    /// Writes the comments of blocks, and those between the blocks, as lines of their own.
+    fn comments(&mut self, blocks: &[Placed]) {
+        for (k, block) in blocks.iter().enumerate() {
+            let line = self.run.line(block);
+            for (place, token) in Lexer::new(line).filter(|_| block.has_comment) {
+                let comment = line[place].trim_ascii_end();
+                if matches!(token, Token::Comment { .. }) && !is_bare(comment) {
+                    self.text.extend_from_slice(comment);
+                    self.text.extend_from_slice(self.line_end);
+                }
+            }
+            let between = if k + 1 < blocks.len() { self.run.remarks(block) } else { b"" };
+            let remarks = split(between).filter(|line| !is_blank(line));
+            remarks.for_each(|line| self.text.extend_from_slice(line));
+        }
     }
 
     fn curves(&mut self, from: usize, stretch: &Stretch, blocks: &[Placed]) {
@@ -221,7 +236,7 @@ impl Writer<'_> {
     fn verbatim(&mut self, block: &Placed, place: &std::ops::Range<usize>) {
         if !place.is_empty() {
             self.separate();
-            let text = &self.run.text[block.text.clone()];
+            let text = self.run.line(block);
             self.line.extend(text[place.clone()].iter().copied().map(char::from));
         }
     }
@@ -235,10 +250,26 @@ impl Writer<'_> {
     /// Ends the line with the line end of `block`.
     fn end_line(&mut self, block: &Placed) {
         self.is_refused |= self.line.len() > self.dialect.max_line_length;
+        let line = self.run.line(block);
+        let end = line_end(line);
         self.text.extend_from_slice(self.line.as_bytes());
-        self.text.extend_from_slice(line_end(&self.run.text[block.text.clone()]));
+        if ends_with_bare_semicolon(&line[..line.len() - end.len()]) {
+            self.text.push(b';');
+        }
+        self.text.extend_from_slice(end);
         self.line.clear();
     }
+}
+
+/// Whether a line has nothing but a line end.
+fn is_blank(line: &[u8]) -> bool {
+    line.trim_ascii().is_empty() || is_bare(line.trim_ascii())
+}
+
+/// Whether a block ends with a semicolon, without text behind.
+fn ends_with_bare_semicolon(line: &[u8]) -> bool {
+    line.trim_ascii_end().ends_with(b";")
+        && Lexer::new(line).last().is_some_and(|(place, _)| is_bare(&line[place]))
 }
 
 /// An F word in inverse minutes.

@@ -231,9 +231,12 @@ impl<'a> Writer<'a> {
         let digits = form.digits;
         self.lines.word(&format!("{}{number:0digits$}", form.letter));
         // Controls take the name in their lists of programs from here. A comma could turn its first word into
-        // a command.
+        // a command; a name that begins like a command stands behind a label.
         let name = job.program.name.as_deref().unwrap_or_default().replace(',', " ");
-        let name = words::cleaned(&name, MAX_PROGRAM_NAME_LENGTH);
+        let mut name = words::shortened(&name, MAX_PROGRAM_NAME_LENGTH);
+        if words::begins_like_a_command(&name) {
+            name = words::shortened(&format!("PROGRAM {name}"), MAX_PROGRAM_NAME_LENGTH);
+        }
         if !name.is_empty() {
             let Comment { open, close, .. } = self.iso.comment;
             self.lines.word(&format!("{open}{name}{close}"));

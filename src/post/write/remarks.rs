@@ -3,16 +3,20 @@
 use super::lines::Lines;
 use crate::WriteError;
 use crate::dialect::{Comment, Dialect};
-use crate::header::{self, Remark};
+use crate::header::Remark;
 use crate::words;
 
 /// Most characters of a remark. A longer line would be hard to read on a control's screen.
 const MAX_REMARK_LENGTH: usize = 100;
 
-/// Most characters of a warning. The rest of a longer warning is left out.
-const MAX_WARNING_LENGTH: usize = 600;
+/// Most characters of a remark of several lines. The rest of a longer remark is left out.
+const MAX_LONG_LENGTH: usize = 600;
 
-/// Writes a remark as one comment line, and a long warning as several. A text without any character that a
+/// The labels of texts of users. Each has one line.
+const USERS: [&str; 3] = ["PROGRAM", "NOTE", "OPERATION"];
+
+/// Writes a text of a user as one comment line, and any other remark that is too long for one as several. No
+/// number is divided. A text without any character that a
 /// comment may hold writes no line.
 pub fn write(
     lines: &mut Lines,
@@ -24,9 +28,10 @@ pub fn write(
     // Room for a block number beside the label and its punctuation.
     let used = 12 + open.len() + label.len() + separator.len() + close.len();
     let limit = dialect.max_line_length.saturating_sub(used).min(MAX_REMARK_LENGTH);
-    let texts = match *label {
-        header::WARNING => words::lines(&words::cleaned(text, MAX_WARNING_LENGTH), limit),
-        _ => vec![words::cleaned(text, limit)],
+    let texts = if USERS.contains(label) {
+        vec![words::shortened(text, limit)]
+    } else {
+        words::lines(&words::shortened(text, MAX_LONG_LENGTH), limit)
     };
     for text in texts.iter().filter(|text| !text.is_empty()) {
         lines.line(&format!("{open}{label}{separator}{text}{close}"))?;

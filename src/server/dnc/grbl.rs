@@ -9,7 +9,9 @@
 //!    first.
 //! 2. Send the next line if it fits beside the lines that are not answered. A line that writes to the EEPROM
 //!    travels alone, because GRBL loses characters while it writes.
-//! 3. On `error:N`, `ALARM:N`, silence or cancel: stop sending, hold the feed (`!`), ask for the status until
+//! 3. Where GRBL answers no line for [`WAITING`], ask for the status. While GRBL moves, dwells, or waits for
+//!    its operator (M0, feed hold, open door), wait as long as that lasts.
+//! 4. On `error:N`, `ALARM:N`, silence or cancel: stop sending, hold the feed (`!`), ask for the status until
 //!    the machine is at rest, then reset (0x18). The reset empties the buffers, so no line after a faulty one
 //!    is run, and no half line.
 //!
@@ -20,6 +22,7 @@
 //! *EEPROM Issues* and *Real-time Commands*.
 
 mod program;
+mod status;
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -28,6 +31,7 @@ use super::in_flight::InFlight;
 use super::sender::{Delivery, Failure, Left, Outcome, Progress, Sender, Step};
 use super::settings::Settings;
 pub use program::{Program, program};
+use status::State;
 
 /// Characters of the receive buffer of GRBL. The lines in it are kept below this.
 pub const BUFFER: usize = 128;
@@ -48,8 +52,11 @@ const REST_INTERVAL: Duration = Duration::from_millis(200);
 /// How long GRBL may take to greet after a reset.
 const RESET_LIMIT: Duration = Duration::from_secs(2);
 
-/// A silence that is told as waiting. Shorter ones are common.
+/// A silence that is told as waiting, and after which GRBL is asked for its status. Shorter ones are common.
 const WAITING: Duration = Duration::from_secs(1);
+
+/// How often a machine that answers no line is asked for its status.
+const STATUS_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Most characters of an answer that are kept.
 const MOST_ANSWER: usize = 256;
@@ -69,6 +76,7 @@ struct Pending {
     length: usize,
     line: usize,
     is_alone: bool,
+    dwells: bool,
 }
 
 /// Sends a [`Program`].
@@ -90,7 +98,11 @@ pub struct Grbl {
     /// A command that goes out before any other character.
     command: Option<u8>,
     answer: Vec<u8>,
+    /// When GRBL answered a line last, and when it last showed that it will answer the next one.
     went_on: Duration,
+    alive_at: Duration,
+    /// The last status since then.
+    state: Option<State>,
     patience: Duration,
     in_flight: InFlight,
     failure: Option<Failure>,
@@ -114,6 +126,8 @@ impl Grbl {
             command: None,
             answer: Vec::new(),
             went_on: Duration::ZERO,
+            alive_at: Duration::ZERO,
+            state: None,
             patience: settings.patience,
             in_flight: InFlight::new(is_paced.then(|| settings.characters_per_s())),
             failure: None,
@@ -123,7 +137,13 @@ impl Grbl {
     }
 
     fn enter(&mut self, phase: Phase, command: Option<u8>, now: Duration) {
-        (self.phase, self.command, self.since, self.went_on) = (phase, command, now, now);
+        (self.phase, self.command, self.since) = (phase, command, now);
+        self.go_on(now);
+    }
+
+    /// Notes that GRBL goes on.
+    fn go_on(&mut self, now: Duration) {
+        (self.went_on, self.alive_at, self.state) = (now, now, None);
     }
 
     /// Stops the machine because of `failure`.
@@ -159,11 +179,44 @@ impl Grbl {
                 let failure = Failure::Alarm { after_line: self.answered, answer: answer.to_owned() };
                 self.hold(failure, now);
             }
-            Phase::Holding if is_at_rest(answer) => self.enter(Phase::Resetting, Some(RESET), now),
+            // A status that was asked for before the first line may come late.
+            Phase::Sending if self.is_held(now) => {
+                if let Some(state) = State::read(answer) {
+                    self.judge(state, now);
+                }
+            }
+            Phase::Holding if status::is_at_rest(answer) => self.enter(Phase::Resetting, Some(RESET), now),
             Phase::Resetting if is_greeting && self.command.is_none() => {
                 self.end(Left::Reset { is_confirmed: true }, now);
             }
             _ => {}
+        }
+    }
+
+    /// Takes a status of a machine that answers no line.
+    fn judge(&mut self, state: State, now: Duration) {
+        let dwells = self.pending.front().is_some_and(|pending| pending.dwells);
+        match state {
+            State::Alarm => {
+                let answer = state.name().to_owned();
+                self.hold(Failure::Alarm { after_line: self.answered, answer }, now);
+                return;
+            }
+            State::Moving | State::Paused | State::Other => self.alive_at = now,
+            State::Idle if dwells => self.alive_at = now,
+            State::Idle | State::Sleep => {}
+        }
+        self.state = Some(state);
+    }
+
+    /// Why a sending to a machine ends that shows no sign of going on.
+    fn stuck(&self) -> Failure {
+        let line = self.pending.front().map_or(self.answered, |pending| pending.line);
+        match self.state {
+            Some(state @ (State::Idle | State::Sleep)) => {
+                Failure::Stuck { line, state: state.name(), time: self.patience }
+            }
+            _ => Failure::NoStatus(self.patience),
         }
     }
 
@@ -172,7 +225,7 @@ impl Grbl {
         if let Some(pending) = self.pending.pop_front() {
             self.in_buffer -= pending.length;
             self.answered = pending.line;
-            self.went_on = now;
+            self.go_on(now);
         }
     }
 
@@ -180,10 +233,11 @@ impl Grbl {
     fn begin_line(&mut self) {
         let Some(block) = self.program.blocks().get(self.n_begun) else { return };
         let length = block.end - self.at;
-        let is_apart = self.pending.is_empty()
-            || !block.is_alone && self.pending.back().is_some_and(|last| !last.is_alone);
+        let program::Block { is_alone, dwells, .. } = *block;
+        let is_apart =
+            self.pending.is_empty() || !is_alone && self.pending.back().is_some_and(|last| !last.is_alone);
         if is_apart && self.in_buffer + length < BUFFER {
-            self.pending.push_back(Pending { length, line: block.line, is_alone: block.is_alone });
+            self.pending.push_back(Pending { length, line: block.line, is_alone, dwells });
             self.in_buffer += length;
             self.n_begun += 1;
         }
@@ -207,8 +261,11 @@ impl Grbl {
                 self.answered = self.program.n_lines();
                 self.end(Left::Whole, now);
             }
-            Phase::Sending if !self.pending.is_empty() && now >= self.went_on + self.patience => {
-                self.hold(Failure::Silent(self.patience), now);
+            Phase::Sending if !self.pending.is_empty() && now >= self.alive_at + self.patience => {
+                self.hold(self.stuck(), now);
+            }
+            Phase::Sending if self.is_held(now) && now >= self.ask_at && self.command.is_none() => {
+                (self.command, self.ask_at) = (Some(STATUS), asks(STATUS_INTERVAL));
             }
             Phase::Holding if lasted >= REST_LIMIT => self.enter(Phase::Resetting, Some(RESET), now),
             Phase::Resetting if lasted >= RESET_LIMIT => {
@@ -228,18 +285,13 @@ impl Grbl {
     fn next_tick(&self) -> Duration {
         match self.phase {
             Phase::Greeting => self.ask_at.min(self.since + GREETING_LIMIT.min(self.patience)),
-            Phase::Sending | Phase::Ended => self.went_on + self.patience,
+            Phase::Sending | Phase::Ended => {
+                self.ask_at.max(self.went_on + WAITING).min(self.alive_at + self.patience)
+            }
             Phase::Holding => self.ask_at.min(self.since + REST_LIMIT),
             Phase::Resetting => self.since + RESET_LIMIT,
         }
     }
-}
-
-/// Whether a status says that no axis moves.
-fn is_at_rest(answer: &str) -> bool {
-    ["<Idle", "<Hold:0", "<Alarm", "<Door:0", "<Sleep", "<Check", "ALARM:"]
-        .iter()
-        .any(|state| answer.starts_with(state))
 }
 
 impl Sender for Grbl {
@@ -315,6 +367,10 @@ impl Sender for Grbl {
         !self.pending.is_empty() && now >= self.went_on + WAITING
     }
 
+    fn is_paused(&self) -> bool {
+        self.state == Some(State::Paused)
+    }
+
     fn progress(&mut self, now: Duration, queued: usize) -> Progress {
         Progress {
             n_characters: self.at.saturating_sub(self.in_flight.characters(now, queued)),
@@ -322,6 +378,7 @@ impl Sender for Grbl {
             n_lines: self.answered,
             n_lines_total: self.program.n_lines(),
             is_waiting: self.is_held(now),
+            is_paused: self.is_paused(),
         }
     }
 

@@ -199,6 +199,7 @@ impl Sender for Handshake {
             n_lines: self.lines.whole_lines(&self.tape, taken),
             n_lines_total: self.tape.n_lines(),
             is_waiting: self.is_held(now),
+            is_paused: false,
         }
     }
 

@@ -130,7 +130,8 @@ fn advance(line: &mut dyn Line, sender: &mut dyn Sender, stop: &Stop, begun: Ins
 #[derive(Default)]
 struct Told {
     last: Option<Duration>,
-    was_waiting: bool,
+    /// Whether the control held up the sender, and waited for its operator.
+    was: [bool; 2],
 }
 
 impl Told {
@@ -142,9 +143,9 @@ impl Told {
         observe: &mut dyn FnMut(&Progress),
     ) {
         let is_due = self.last.is_none_or(|last| now >= last + PROGRESS_INTERVAL);
-        if is_due || sender.is_held(now) != self.was_waiting {
+        if is_due || [sender.is_held(now), sender.is_paused()] != self.was {
             let progress = sender.progress(now, line.queued().unwrap_or_default());
-            (self.last, self.was_waiting) = (Some(now), progress.is_waiting);
+            (self.last, self.was) = (Some(now), [progress.is_waiting, progress.is_paused]);
             observe(&progress);
         }
     }

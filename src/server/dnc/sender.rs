@@ -38,6 +38,11 @@ pub trait Sender: Send {
     /// Whether the control holds up the sender.
     fn is_held(&self, now: Duration) -> bool;
 
+    /// Whether the control says that it waits for its operator.
+    fn is_paused(&self) -> bool {
+        false
+    }
+
     fn progress(&mut self, now: Duration, queued: usize) -> Progress;
 
     /// How the sending ended. To be called after [`Step::Ended`] or [`Sender::give_up`].
@@ -56,6 +61,8 @@ pub struct Progress {
     pub n_lines_total: usize,
     /// Whether the control holds up the sender.
     pub is_waiting: bool,
+    /// Whether the control says that it waits for its operator.
+    pub is_paused: bool,
 }
 
 /// How a sending ended.
@@ -84,6 +91,14 @@ pub enum Failure {
     Silent(Duration),
     /// The control does not answer as GRBL does.
     NoGrbl,
+    /// GRBL answered neither a line nor a status query for this time.
+    NoStatus(Duration),
+    /// GRBL had nothing to do for this time, but did not answer this line.
+    Stuck {
+        line: usize,
+        state: &'static str,
+        time: Duration,
+    },
     /// GRBL refused a line of the program: its number, and the answer.
     Refused {
         line: usize,
@@ -111,6 +126,17 @@ impl fmt::Display for Failure {
             Self::NoGrbl => {
                 write!(f, "the control does not answer as GRBL 1.1 does: check the port, `baud` and `format`")
             }
+            Self::NoStatus(time) => write!(
+                f,
+                "GRBL answered no line and no status query for {} s: check the cable and the board",
+                time.as_secs_f64()
+            ),
+            Self::Stuck { line, state, time } => write!(
+                f,
+                "GRBL reports `{state}`, but has not answered line {line} for {} s, so characters were lost: \
+                 check the cable, `baud` and `format`",
+                time.as_secs_f64()
+            ),
             Self::Refused { line, answer } => write!(f, "GRBL refused line {line} with `{answer}`"),
             Self::Alarm { after_line: 0, answer } => write!(f, "GRBL raised `{answer}` before line 1"),
             Self::Alarm { after_line, answer } => write!(f, "GRBL raised `{answer}` after line {after_line}"),

@@ -331,7 +331,7 @@ fn program<R, P: Product>(
 ) -> Result<Encoded, ApiError> {
     let text = nc.map_or_else(|| text_of(outcome, budget), Ok)?;
     let Setup { program, dialect, .. } = &outcome.product.cut().ok_or_else(no_toolpath)?.setup;
-    let file_name = file_name(program.name.as_deref(), program.number, dialect.file_extension);
+    let file_name = file_name(program.name.as_deref(), program.number, dialect);
     Ok(Encoded::gcode(text, media_type, &file_name))
 }
 

@@ -198,13 +198,13 @@ const FIGURES: (&str, &str) = ("accept", "application/json");
 
 /// The blocks before a run of lines, which begins at X20 Y0. One byte is not ASCII.
 const BEFORE: &[u8] =
-    b"%\n(PART 7, \xe9)\r\nG17 G21 G90 G94\nT1 M6\nG0 X20. Y0. Z5.\nM3 S8000\nG1 Z0 F300 ; down\n";
+    b"%\n(PART 7, \xe9)\r\nG17 G21 G90 G94\nT1 M6\nG0 X20. Y0. Z5.\nM3 S8000\nG1 Z0 F300 (MSG, down)\n";
 
 /// The blocks after the run.
 const BEHIND: &[u8] = b"G0 Z50. (up)\n\n/M8\n  G28 Z0\nM30\n%";
 
 /// The blocks before a run in programs that are sent in pieces.
-const HEAD: &str = "G17 G21 G90 G94\nG0 X20 Y0 Z5\nG1 Z0 F300 ; down\n";
+const HEAD: &str = "G17 G21 G90 G94\nG0 X20 Y0 Z5\nG1 Z0 F300 (MSG, down)\n";
 
 /// More comments than the service searches for jumps before it answers.
 fn lead() -> String {
@@ -291,7 +291,7 @@ async fn accepting_json_gives_the_report_of_a_program_without_its_text() {
     assert!((0.000_25..=0.005).contains(&deviation), "the deviation is {deviation}");
     let expected = json!({
         "n_runs": 1, "n_points": 400, "n_arcs": 1, "n_lines": 0, "deviation_max_mm": null,
-        "n_motions": 404, "left_alone": {
+        "n_motions": 404, "n_other_motions": 3, "left_alone": {
             "macros": 0, "other_axes": 0, "modes": 0, "labels": 0, "others": 1, "short_runs": 0,
         },
         "bytes_in": program().len(), "bytes_out": fitted().len(),
@@ -450,7 +450,7 @@ async fn finished_blocks_are_sent_back_during_the_upload_and_a_fault_breaks_the_
     aside(move || {
         let (mut stream, mut text) = (upload(address), String::new());
         write(&mut stream, &chunk(&(lead() + HEAD)));
-        assert!(read_to("; down\n", &mut stream, &mut text), "{text}");
+        assert!(read_to("(MSG, down)\n", &mut stream, &mut text), "{text}");
         // The service need not read a refused program to its end, so that writing may fail.
         let _ = stream.write_all(format!("{}0\r\n\r\n", chunk(&"x".repeat(100_000))).as_bytes());
         assert!(!read_to(LAST_CHUNK, &mut stream, &mut text), "the answer does not break off: {text}");

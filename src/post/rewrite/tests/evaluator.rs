@@ -43,6 +43,7 @@ pub fn stops(program: &str, increment: f64) -> Vec<Stop> {
         is_inverse: false,
     };
     let (mut stops, mut path, mut minutes) = (Vec::new(), vec![state.at], 0.0);
+    let program = program.replace("\r\n", "\n").replace('\r', "\n");
     for line in program.lines() {
         if line.starts_with('%') {
             state.motion = 0;
@@ -60,7 +61,7 @@ pub fn stops(program: &str, increment: f64) -> Vec<Stop> {
 }
 
 fn words(line: &str, increment: f64) -> Vec<(char, f64)> {
-    let code = line.split('(').next().unwrap().to_ascii_uppercase().replace([' ', '\t'], "");
+    let code = line.split(['(', ';']).next().unwrap().to_ascii_uppercase().replace([' ', '\t'], "");
     let starts: Vec<_> = code.match_indices(|c: char| c.is_ascii_alphabetic()).map(|(k, _)| k).collect();
     let ends = starts.iter().copied().skip(1).chain([code.len()]);
     let word = |(from, end): (usize, usize)| {

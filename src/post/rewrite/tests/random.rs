@@ -6,41 +6,43 @@ use proptest::prelude::*;
 use super::evaluator::{SAGITTA_MM, Stop, distance, stops};
 use super::*;
 
-/// Lines that end runs. Each has a comment with a number in it, so that both programs can be compared there.
+/// Lines that end runs. Each has a comment with a number in it, which a control may obey, so that both
+/// programs can be compared there.
 const BARRIERS: &[&str] = &[
-    "(@)",
-    "G0 X# Y# (@)",
-    "G1 X# Y# (@)",
-    "X# Y# (@)",
-    "Y# M8 (@)",
-    "G17 (@)",
-    "G18 (@)",
-    "G19 (@)",
-    "G90 (@)",
-    "G91 (@)",
-    "G41 D1 (@)",
-    "G40 (@)",
-    "G68 X0 Y0 R0 (@)",
-    "G69 (@)",
-    "M5 (@)",
-    "F250 (@)",
-    "#1=5 (@)",
-    "G1 (@)",
-    "G90.1 (@)",
-    "G91.1 (@)",
-    "/M8 (@)",
-    "\u{e9} (@)",
-    "% (@)",
-    "G4 P1 (@)",
-    "G20 (@)",
-    "G21 (@)",
-    "N5 Z# (@)",
-    "G61 (@)",
-    "G64 (@)",
-    "A5 (@)",
-    "G0 X0 Y0 Z0 (@)",
-    "G90 G0 X0 Y0 Z0 (@)",
-    "G17 G21 G90 G40 G69 G64 G91.1 (@)\nG0 X# Y# Z# (@)\nG1 F90 (@)",
+    "(MSG,@)",
+    "G0 X# Y# (MSG,@)",
+    "G1 X# Y# (MSG,@)",
+    "X# Y# (MSG,@)",
+    "Y# M8 (MSG,@)",
+    "G17 (MSG,@)",
+    "G18 (MSG,@)",
+    "G19 (MSG,@)",
+    "G90 (MSG,@)",
+    "G91 (MSG,@)",
+    "G41 D1 (MSG,@)",
+    "G40 (MSG,@)",
+    "G68 X0 Y0 R0 (MSG,@)",
+    "G69 (MSG,@)",
+    "M5 (MSG,@)",
+    "F250 (MSG,@)",
+    "#1=5 (MSG,@)",
+    "G1 (MSG,@)",
+    "G90.1 (MSG,@)",
+    "G91.1 (MSG,@)",
+    "/M8 (MSG,@)",
+    "\u{e9} (MSG,@)",
+    "% (MSG,@)",
+    "G4 P1 (MSG,@)",
+    "G20 (MSG,@)",
+    "G21 (MSG,@)",
+    "N5 Z# (MSG,@)",
+    "G61 (MSG,@)",
+    "G187 P2 E0.1 (MSG,@)",
+    "G64 (MSG,@)",
+    "A5 (MSG,@)",
+    "G0 X0 Y0 Z0 (MSG,@)",
+    "G90 G0 X0 Y0 Z0 (MSG,@)",
+    "G17 G21 G90 G40 G69 G64 G91.1 (MSG,@)\nG0 X# Y# Z# (MSG,@)\nG1 F90 (MSG,@)",
 ];
 
 #[derive(Debug, Clone)]
@@ -77,7 +79,9 @@ fn part() -> impl Strategy<Value = Part> {
 #[derive(Debug, Clone, Copy)]
 struct Looks {
     is_spaced: bool,
-    has_crlf: bool,
+    end: &'static str,
+    /// What stands behind each block of a run; `@` is the number of the block.
+    remark: &'static str,
     is_numbered: bool,
     says_g1: bool,
     is_padded: bool,
@@ -86,7 +90,7 @@ struct Looks {
 /// The text of the parts. It follows the position as the evaluator does, so that the runs go where they
 /// should.
 fn program(parts: &[Part], looks: Looks) -> String {
-    let end = if looks.has_crlf { "\r\n" } else { "\n" };
+    let end = looks.end;
     let mut text =
         String::from("G17 G21 G90 G94 (start)\nG0 X0 Y0 Z0 (start)\nG1 F100 (start)\n").replace('\n', end);
     for (k, part) in parts.iter().enumerate() {
@@ -114,6 +118,7 @@ fn program(parts: &[Part], looks: Looks) -> String {
                     if *jitter == 3 && i % 11 == 5 {
                         let _ = write!(text, "F{}", i / 22 + 3);
                     }
+                    text.push_str(&looks.remark.replace('\n', end).replace('@', &i.to_string()));
                     text.push_str(end);
                     before = to;
                 }
@@ -197,14 +202,24 @@ fn compare(one: &Stop, other: &Stop) -> Result<(), TestCaseError> {
 }
 
 fn looks() -> impl Strategy<Value = Looks> {
-    let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
-    flags.prop_map(|(is_spaced, has_crlf, is_numbered, says_g1, is_padded)| Looks {
+    let ends = prop::sample::select(&["\n", "\r\n", "\r"][..]);
+    let remarks = prop::sample::select(&["", "", " ; c@", "\n; r@", "\n\n", ";", ";c@\n;r@"][..]);
+    let flags = (any::<bool>(), ends, remarks, any::<bool>(), any::<bool>(), any::<bool>());
+    flags.prop_map(|(is_spaced, end, remark, is_numbered, says_g1, is_padded)| Looks {
         is_spaced,
-        has_crlf,
+        end,
+        remark,
         is_numbered,
         says_g1,
         is_padded,
     })
+}
+
+/// The comments behind semicolons, in order.
+fn remarks(text: &str) -> Vec<&str> {
+    let inside =
+        text.split(['\n', '\r']).filter_map(|line| line.split_once(';')).map(|(_, text)| text.trim());
+    inside.filter(|text| !text.is_empty()).collect()
 }
 
 proptest! {
@@ -220,6 +235,10 @@ proptest! {
         for (one, other) in one.iter().zip(&other) {
             compare(one, other).map_err(|e| TestCaseError::fail(format!("{e}\n{input}\n=>\n{output}")))?;
         }
+        prop_assert_eq!(remarks(&input), remarks(&output));
+        let LeftAlone { macros, other_axes, modes, labels, others, short_runs } = figures.left_alone;
+        let left_alone = macros + other_axes + modes + labels + others + short_runs;
+        prop_assert_eq!(figures.n_motions, figures.n_points + figures.n_other_motions + left_alone);
         prop_assert!(figures.deviation_max_mm <= TOLERANCE_MM);
         prop_assert!(figures.n_arcs + figures.n_lines <= figures.n_points);
     }

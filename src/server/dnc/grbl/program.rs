@@ -16,6 +16,8 @@ pub struct Block {
     pub line: usize,
     /// Whether the block may write to the EEPROM.
     pub is_alone: bool,
+    /// Whether the block may make the machine dwell (G4).
+    pub dwells: bool,
 }
 
 /// A program for GRBL.
@@ -63,7 +65,8 @@ pub fn program(bytes: &[u8]) -> Result<Program, TapeError> {
         if let Some(byte) = block.iter().copied().find(|byte| is_command(byte)) {
             return Err(TapeError::Realtime { line, byte });
         }
-        let is_alone = may_write_eeprom(block);
+        let plain = plain(block);
+        let (is_alone, dwells) = (may_write_eeprom(&plain), has_dwell(&plain));
         program.text.push(b'\n');
         let end = program.text.len();
         let length = text_length(&program.text[start..]);
@@ -73,7 +76,7 @@ pub fn program(bytes: &[u8]) -> Result<Program, TapeError> {
         if end - start >= BUFFER {
             return Err(TapeError::LineTooLong { line, length: end - start - 1, most: BUFFER - 2 });
         }
-        program.blocks.push(Block { end, line, is_alone });
+        program.blocks.push(Block { end, line, is_alone, dwells });
     }
     if program.blocks.is_empty() { Err(TapeError::Empty) } else { Ok(program) }
 }
@@ -101,10 +104,22 @@ fn push_without_comments(line: &[u8], text: &mut Vec<u8>) {
     text.truncate(start + kept);
 }
 
+/// A block in upper case without blanks.
+fn plain(block: &[u8]) -> Vec<u8> {
+    block.iter().filter(|byte| !byte.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect()
+}
+
+/// Whether a block holds G4, also as G04 or G4.0, and not G40.
+fn has_dwell(plain: &[u8]) -> bool {
+    plain.split(|byte| *byte == b'G').skip(1).any(|rest| {
+        let number =
+            rest.iter().position(|byte| !byte.is_ascii_digit() && *byte != b'.').unwrap_or(rest.len());
+        std::str::from_utf8(&rest[..number]).is_ok_and(|number| number.parse() == Ok(4.0))
+    })
+}
+
 /// Whether a block may write to the EEPROM: a setting, G10, G28.1 or G30.1.
-fn may_write_eeprom(block: &[u8]) -> bool {
-    let plain: Vec<u8> =
-        block.iter().filter(|byte| !byte.is_ascii_whitespace()).map(u8::to_ascii_uppercase).collect();
+fn may_write_eeprom(plain: &[u8]) -> bool {
     let holds = |word: &[u8]| plain.windows(word.len()).any(|part| part == word);
     plain.starts_with(b"$") || holds(b"G10") || holds(b"G28.1") || holds(b"G30.1")
 }
@@ -133,6 +148,13 @@ mod tests {
         assert!(program(format!("{} (seen)", "X ".repeat(63)).as_bytes()).is_ok());
         let blank = format!("G0{}X1\n", " ".repeat(140));
         assert_eq!(refused(&blank), TapeError::LineTooLong { line: 1, length: 144, most: 126 });
+    }
+
+    #[test]
+    fn a_dwell_is_g4_alone() {
+        let program = program(b"G4 P900\nG04P1\ng 4.0 p2\nG40\nG43.1 Z4\nX4 G1").expect("a program");
+        let dwells: Vec<bool> = program.blocks().iter().map(|block| block.dwells).collect();
+        assert_eq!(dwells, [true, true, true, false, false, false]);
     }
 
     #[test]

@@ -14,6 +14,8 @@ struct Mock {
     /// Commands, in order.
     commands: Vec<u8>,
     is_held: bool,
+    /// What the machine says while it answers no line: from the line with this number on, for this time.
+    pause: Option<(usize, Duration, &'static str)>,
     /// Whether it has started, and answers.
     is_awake: bool,
 }
@@ -26,6 +28,12 @@ impl Mock {
                     self.commands.push(*byte);
                     match *byte {
                         STATUS if self.is_held => self.say("<Hold:0|MPos:0.000,0.000,0.000>"),
+                        STATUS if self.pause.is_some_and(|(at, ..)| at == self.lines.len()) => {
+                            let said = self.pause.map_or("", |(_, _, said)| said);
+                            if !said.is_empty() {
+                                self.say(said);
+                            }
+                        }
                         STATUS if self.is_awake => self.say("<Run|MPos:0.000,0.000,0.000>"),
                         HOLD => self.is_held = true,
                         RESET => {
@@ -93,6 +101,9 @@ fn simulate(sender: &mut Grbl, mock: &mut Mock, interval: Duration, cancel: Opti
                         mock.run_line();
                     }
                     line_at = now + interval;
+                    if let Some((_, time, _)) = mock.pause.filter(|(at, ..)| *at == mock.lines.len()) {
+                        line_at = now + time;
+                    }
                 }
             }
             Step::Ended => return sender.outcome(now, 0),
@@ -177,6 +188,44 @@ fn a_machine_that_does_not_tell_of_its_rest_is_reset_after_a_while() {
     assert_eq!((written.first(), written.last()), (Some(&HOLD), Some(&RESET)));
     assert!(now >= start + REST_LIMIT && now <= start + REST_LIMIT + RESET_LIMIT, "{now:?}");
     assert_eq!(outcome.left, Left::Reset { is_confirmed: false });
+}
+
+const HOUR: Duration = Duration::from_secs(3600);
+
+#[test]
+fn a_machine_that_says_that_it_pauses_or_moves_is_waited_for() {
+    for said in ["<Hold:0|FS:0,0>", "<Hold:1|>", "<Door:1|>", "<Run|FS:100,0>", "<Tool|>"] {
+        let mut mock = Mock { pause: Some((2, HOUR, said)), ..awake() };
+        let text = "G0 X1\nG1 X2 F100\nM0\nG1 X3\nM30\n";
+        let outcome = simulate(&mut sender(text), &mut mock, Duration::from_millis(50), None);
+        assert_eq!((outcome.failure, outcome.left), (None, Left::Whole), "{said}");
+        assert_eq!(mock.lines.len(), 5);
+        // The machine is asked each second, and not more often.
+        assert!((3590..=3602).contains(&mock.commands.len()), "{}", mock.commands.len());
+        assert!(mock.commands.iter().all(|command| *command == STATUS));
+    }
+}
+
+#[test]
+fn an_idle_machine_is_waited_for_while_it_dwells_alone() {
+    let idle = || Mock { pause: Some((1, HOUR, "<Idle|FS:0,0>")), ..awake() };
+    let dwells = simulate(&mut sender("G0 X1\nG4 P3600\nM30\n"), &mut idle(), HOUR / 3600, None);
+    assert_eq!((dwells.failure, dwells.left), (None, Left::Whole));
+    let lost = simulate(&mut sender("G0 X1\nG1 X2 F100\nM30\n"), &mut idle(), HOUR / 3600, None);
+    let time = Duration::from_secs(30);
+    assert_eq!(lost.failure, Some(Failure::Stuck { line: 2, state: "Idle", time }));
+    assert_eq!(lost.left, Left::Reset { is_confirmed: true });
+}
+
+#[test]
+fn a_machine_that_answers_no_status_query_or_reports_an_alarm_is_reset() {
+    let alarm = Failure::Alarm { after_line: 1, answer: "Alarm".to_owned() };
+    for (said, failure) in [("", Failure::NoStatus(Duration::from_secs(30))), ("<Alarm|>", alarm)] {
+        let mut mock = Mock { pause: Some((1, HOUR, said)), ..awake() };
+        let outcome = simulate(&mut sender("G0 X1\nM0\nM30\n"), &mut mock, HOUR / 3600, None);
+        assert_eq!(outcome.failure, Some(failure));
+        assert_eq!(outcome.left, Left::Reset { is_confirmed: true });
+    }
 }
 
 #[test]

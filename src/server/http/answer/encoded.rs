@@ -16,6 +16,7 @@ use crate::http::error::{ApiError, Code};
 use crate::http::request::coding::GZIP;
 use crate::http::request::representation::{GCODE, JSON};
 use crate::http::request::retry::JOB_ORDER_ID;
+use toolpathd_post::Dialect;
 
 /// The header with the codes of all warnings of an answer.
 pub const WARNINGS: HeaderName = HeaderName::from_static("toolpathd-warnings");
@@ -147,10 +148,15 @@ impl IntoResponse for Encoded {
     }
 }
 
-/// The name of the program's file: from the program's name, else from its number.
-pub fn file_name(name: Option<&str>, number: u32, extension: &str) -> String {
+/// The name of the program's file: from the program's name, else from its number. A control that knows a
+/// program by the name in its text wants that name for the file.
+pub fn file_name(name: Option<&str>, number: u32, dialect: &Dialect) -> String {
     /// Most characters that are kept of a name. File systems allow 255 bytes.
     const MAX_LENGTH: usize = 100;
+    let extension = dialect.file_extension;
+    if dialect.names_files_in_their_text() {
+        return format!("{number}.{extension}");
+    }
     let is_plain = |c: &char| c.is_ascii_alphanumeric() || "._-".contains(*c);
     let name = deunicode::deunicode_with_tofu(name.unwrap_or_default(), "");
     let cleaned: String = name.chars().filter(is_plain).take(MAX_LENGTH).collect();
@@ -164,12 +170,19 @@ pub fn file_name(name: Option<&str>, number: u32, extension: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use toolpathd_post::dialect;
 
     #[test]
     fn a_file_name_holds_no_character_that_ends_a_header() {
-        assert_eq!(file_name(Some("../die \"7\"\r\n.x"), 3, "ngc"), "die7.x.ngc");
-        assert_eq!(file_name(Some("\u{200b}"), 3, "ngc"), "program-3.ngc");
-        assert_eq!(file_name(Some("M\u{fc}ller"), 3, "ngc"), "Muller.ngc");
-        assert_eq!(file_name(None, 501, "nc"), "program-501.nc");
+        let linuxcnc = dialect("linuxcnc").expect("a dialect");
+        assert_eq!(file_name(Some("../die \"7\"\r\n.x"), 3, linuxcnc), "die7.x.ngc");
+        assert_eq!(file_name(Some("\u{200b}"), 3, linuxcnc), "program-3.ngc");
+        assert_eq!(file_name(Some("M\u{fc}ller"), 3, linuxcnc), "Muller.ngc");
+        assert_eq!(file_name(None, 501, dialect("fanuc").expect("a dialect")), "program-501.nc");
+    }
+
+    #[test]
+    fn a_program_of_klartext_has_the_name_that_stands_in_its_text() {
+        assert_eq!(file_name(Some("die"), 501, dialect("heidenhain").expect("a dialect")), "501.h");
     }
 }

@@ -20,6 +20,7 @@ use toolpathd_core::budget::ProgressSink;
 /// The names of the stages in progress events.
 const SENDING: &str = "sending";
 const WAITING: &str = "waiting";
+const PAUSED: &str = "paused";
 
 /// All controls of this server.
 #[derive(Debug)]
@@ -161,13 +162,22 @@ impl Taken {
         let sending = move || {
             let _entered = span.enter();
             let begun = Instant::now();
+            let NamedTarget { name, target } = &self.control.named;
+            let mut was_paused = false;
             let mut observe = |progress: &Progress| {
+                if progress.is_paused && !was_paused {
+                    tracing::info!(
+                        target_name = name,
+                        line = progress.n_lines + 1,
+                        "waiting for the operator"
+                    );
+                }
+                was_paused = progress.is_paused;
                 if let Some(listener) = &listener {
-                    let stage = if progress.is_waiting { WAITING } else { SENDING };
+                    let stage = stage(progress);
                     listener.progress(stage, progress.n_characters, progress.n_characters_total);
                 }
             };
-            let NamedTarget { name, target } = &self.control.named;
             let outcome = send_by(&mut *sender, target, &self.stop, &mut observe);
             // The control is free before the answer is sent, so that the caller finds it free.
             let name = name.clone();
@@ -181,6 +191,15 @@ impl Taken {
                 "the service failed while sending: look at the machine, and report the request id",
             )
         })?
+    }
+}
+
+/// The name of the stage in which a sending is.
+fn stage(progress: &Progress) -> &'static str {
+    match progress {
+        Progress { is_paused: true, .. } => PAUSED,
+        Progress { is_waiting: true, .. } => WAITING,
+        _ => SENDING,
     }
 }
 

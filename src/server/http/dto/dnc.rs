@@ -39,7 +39,8 @@ pub struct DncTarget {
     trailer: u32,
     /// Whether the sender waits for an XON of the control before the first character.
     waits_for_xon: bool,
-    /// Longest time in which the control takes nothing, in s. Then the sending ends.
+    /// Longest time in which the control takes nothing, in s. Then the sending ends. With GRBL: in which it
+    /// answers no status query, or has nothing to do.
     patience_s: f64,
 }
 

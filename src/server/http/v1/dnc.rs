@@ -32,14 +32,15 @@ pub async fn list_controls(State(app): State<Arc<App>>) -> Result<Encoded, ApiEr
 /// Send an NC program to a control.
 ///
 /// The answer comes when the whole program was sent, or the sending has ended in another way. A caller that
-/// accepts `text/event-stream` gets a stream of events: `progress` with the stage `sending`, or `waiting`
-/// while the control holds up the sender, where `done` and `total` count characters; then `result` or
-/// `problem`.
+/// accepts `text/event-stream` gets a stream of events: `progress` with the stage `sending`, `waiting`
+/// while the control holds up the sender, or `paused` while GRBL says that it waits for its operator, where
+/// `done` and `total` count characters; then `result` or `problem`.
 ///
 /// A control takes one program at a time; a second one is refused with status 409. If the caller goes away,
 /// the sending stops at the end of a block and sends the end mark `%`; GRBL gets a feed hold, and a reset
 /// once the machine is at rest. No deadline holds for a sending; a control that takes nothing for its
-/// `patience_s` ends it.
+/// `patience_s` ends it. GRBL is asked for its status: while it moves, dwells or waits for its operator, the
+/// sending waits.
 #[utoipa::path(post, path = "/v1/dnc/{target}", operation_id = "sendProgram", tag = "dnc",
     params(("target" = String, Path, description = "Name of the control, as listed by `/v1/dnc`.")),
     request_body(content((String = "text/x-gcode")),

@@ -23,8 +23,8 @@ const TOOLPATHS: u64 = 1_000;
 /// What a centre that is moved may change in the middle of an arc, mm.
 const CENTER_MM: f64 = 0.006;
 
-/// What the angle of a helix in Klartext may change in its end, mm. All other ends are the same.
-const END_MM: f64 = 0.001;
+/// What angle and centre of a helix in Klartext may change in its end, mm. All other ends are the same.
+const END_MM: f64 = 0.003;
 
 /// What rounding and chords may change in the length of all cuts, as a share of it.
 const LENGTH_SHARE: f64 = 1e-3;

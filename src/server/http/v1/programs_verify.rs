@@ -111,6 +111,7 @@ fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, 
         tolerance_mm,
         control_tolerance_mm,
         clearance_mm,
+        allowed_excess_mm,
         rapids,
         meta,
     } = job;
@@ -133,6 +134,7 @@ fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, 
         tolerance_mm,
         control_tolerance_mm: control_tolerance_mm + moved_mm,
         clearance_mm,
+        allowed_excess_mm,
         rapids: rapids.unwrap_or(usual),
     };
     let found = verify(&job, budget)?;

@@ -4,6 +4,7 @@ mod api;
 mod arc_fitting;
 mod dnc;
 mod docs;
+mod faults;
 mod interpolation;
 mod laws;
 mod nurbs;

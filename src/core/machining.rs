@@ -33,4 +33,5 @@ pub mod regularity;
 pub mod stock;
 pub mod uncut;
 pub mod upper_envelope;
+pub mod walls;
 pub mod wire_model;

@@ -4,6 +4,7 @@ mod api;
 mod arc_fitting;
 mod dnc;
 mod docs;
+mod faults;
 mod fixed_point;
 mod interpolation;
 mod laws;

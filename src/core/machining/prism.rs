@@ -92,8 +92,8 @@ pub struct Asked {
 
 /// A part of the path: a line or an arc in plan, along which the height of the tip changes evenly.
 #[derive(Debug, Clone, Copy)]
-struct PlanPiece {
-    plan: Segment,
+pub(super) struct PlanPiece {
+    pub(super) plan: Segment,
     heights: [f64; 2],
 }
 
@@ -225,7 +225,8 @@ impl Prism {
 }
 
 impl PlanPiece {
-    fn height(&self, t: f64) -> f64 {
+    /// The height of the tip at a fraction of the length, mm.
+    pub(super) fn height(&self, t: f64) -> f64 {
         self.heights[0] + (self.heights[1] - self.heights[0]) * t
     }
 
@@ -244,7 +245,7 @@ impl PlanPiece {
 }
 
 /// The pieces of a curve, and how far they may lie from it, mm.
-fn pieces(tip: &Curve, mut chord_mm: f64) -> (Vec<PlanPiece>, f64) {
+pub(super) fn pieces(tip: &Curve, mut chord_mm: f64) -> (Vec<PlanPiece>, f64) {
     let (start, end) = (tip.start(), tip.end());
     let heights = [start.z, end.z];
     match tip {

@@ -9,7 +9,8 @@
 //! distance, and of where they end.
 //!
 //! # Method
-//! 1. Cut the passes into lines and into arcs of at most a quarter turn. Put them into a tree of boxes.
+//! 1. Cut the passes into lines and into arcs of at most a quarter turn. Put those of each cutter into a tree
+//!    of boxes.
 //! 2. For a part of a patch, find the piece that is nearest to the part's centre. Bound from above the
 //!    distance of every point of the part from the solid that the cutter sweeps along this piece (`bound`).
 //!    For a ball, the squared distance from a line or a circle has Bernstein coefficients. For any cutter,
@@ -146,13 +147,13 @@ impl Left {
     }
 }
 
-/// Bounds what is left on `part` outside `swept`.
+/// Bounds what is left on `part` outside all of `swept`: what each of several cutters has swept.
 ///
 /// # Errors
 /// Only the budget's stop.
 pub fn left<P: Patch>(
     part: &BezierSurface<P>,
-    swept: &Swept,
+    swept: &[Swept],
     reach: &impl Reach,
     wanted: Wanted,
     budget: &Budget,

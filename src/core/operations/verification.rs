@@ -8,7 +8,9 @@
 //!    Before each move cuts, rapids, shank and holder are measured against it (`material`).
 //! 4. Distances from fixtures and from the part, and places outside the travel, are bounded on every curve
 //!    (`clearances`).
-//! 5. What stands above a surface at the end is bounded by [`uncut`](crate::machining::uncut).
+//! 5. What stands above a surface at the end is bounded by [`uncut`](crate::machining::uncut), what stands at
+//!    the walls of a pocket by [`walls`](crate::machining::walls), and what stands over its floor by the
+//!    height map (`left`).
 //!
 //! # Guarantees
 //! * A bound holds over the whole of every move, with what the control may leave the path. It is found from
@@ -29,6 +31,7 @@
 mod clearances;
 mod findings;
 mod gouges;
+mod left;
 mod material;
 mod motions;
 mod part;
@@ -47,6 +50,7 @@ use crate::machining::prism::{Material, Prism};
 use crate::machining::stock::{Shape, ShapeError, Stock, Volume};
 use crate::toolpath::Toolpath;
 pub use findings::{Certainty, Finding, Findings, Kind, MOST_LISTED, MoveNumber, Verdict};
+use left::Left;
 use motions::{Motion, motions};
 use part::PartProof;
 
@@ -71,6 +75,8 @@ pub struct Job {
     pub control_tolerance_mm: f64,
     /// The least distance of the tool from fixtures, and of shank and holder from all else, mm.
     pub clearance_mm: f64,
+    /// How much may stand above the part at the end, mm; anything if absent.
+    pub allowed_excess_mm: Option<f64>,
     pub rapids: Rapids,
     /// Whether the report has the bound of every move, and not only of the worst.
     pub lists_moves: bool,
@@ -151,6 +157,9 @@ pub struct Report {
     /// Area of the floor of a pocket that is not cut down to the floor, mm². Places nearer to a wall than a
     /// diagonal of a cell count neither here nor in the excess.
     pub uncut_area_mm2: Option<f64>,
+    /// What stands at the walls of a pocket where a cutter of the program can touch them, with the nearest
+    /// move. `None` without a pocket, and where no cutter touches its walls.
+    pub wall_excess: Option<Worst>,
     /// The least distance of shank and holder from stock and part. `None` without shank and holder.
     pub holder_clearance: Option<Worst>,
     /// The least distance of tool, shank and holder from fixtures. `None` without fixtures.
@@ -265,17 +274,23 @@ pub fn verify(job: &Job, budget: &Budget) -> Result<Report, Error> {
     if let Some(near) = near_stock.flatten() {
         holder_clearance = Some(holder_clearance.map_or(near, |own| own.or_nearer(near)));
     }
-    let (excess, uncut_area_mm2) = match &part {
-        Some(part) => part.left(job, &motions, material.as_ref(), budget)?,
-        None => (None, None),
+    let left = match &part {
+        Some(part) => left::of(part, job, &motions, material.as_ref(), &mut findings, budget)?,
+        None => Left::default(),
     };
     findings.sort();
     Ok(Report {
         verdict: findings.verdict(),
         gouge,
+<<<<<<< HEAD
         gouges_of_moves: gouges_of_moves.unwrap_or_default(),
         excess,
         uncut_area_mm2,
+=======
+        excess: left.excess,
+        uncut_area_mm2: left.uncut_area_mm2,
+        wall_excess: left.of_walls,
+>>>>>>> faults
         holder_clearance,
         fixture_clearance,
         material,
@@ -300,6 +315,7 @@ impl Job {
             tolerance_mm,
             control_tolerance_mm: 0.0,
             clearance_mm: 0.0,
+            allowed_excess_mm: None,
             rapids: Rapids::Straight,
             lists_moves: false,
         }

@@ -290,3 +290,58 @@ async fn a_program_is_the_same_under_every_media_type_for_programs() {
         }
     }
 }
+
+/// What a program of decimals may cut deeper than its plan, and what a plan of a pocket is allowed, mm.
+const VERIFIED_TOLERANCE_MM: f64 = 0.002;
+
+/// Dialects in which the programs of examples are verified, one for each language.
+const VERIFIED_DIALECTS: [&str; 4] = ["linuxcnc", "fanuc", "siemens", "heidenhain"];
+
+impl Example {
+    /// What its program is verified against. `None` where the part of the example is no part of a request to
+    /// verify: measured heights, a surface within walls, a stock that is partly cleared; and for the wires of
+    /// a paper, which gouge the part and report so.
+    fn verified_against(&self) -> Option<Value> {
+        let strategy = self.body.pointer("/strategy/kind").and_then(Value::as_str);
+        let has = |member: &str| self.body.get(member).is_some();
+        if has("heights") || has("cleared") || strategy == Some("wire_union") {
+            return None;
+        }
+        let members: &[&str] = match self.path.as_str() {
+            "/v1/surfaces/mill" => &["surface", "allowance_mm"],
+            "/v1/pockets/plan" if !has("surface") => &["region", "top_z_mm", "floor_z_mm"],
+            _ => return None,
+        };
+        let planned = self.body.get("tolerance_mm").and_then(Value::as_f64).unwrap_or(0.0);
+        let mut against =
+            json!({ "tool": self.body["tool"], "tolerance_mm": planned + VERIFIED_TOLERANCE_MM });
+        for member in members.iter().filter(|member| has(member)) {
+            against[*member] = self.body[*member].clone();
+        }
+        Some(against)
+    }
+}
+
+#[tokio::test]
+async fn the_programs_of_examples_pass_their_own_verification() {
+    let app = app(&[]);
+    let mut n = 0;
+    for example in examples() {
+        let Some(against) = example.verified_against() else { continue };
+        let (path, bodies) = example.written_in_dialects(&app).await;
+        for (dialect, body) in bodies.into_iter().filter(|(own, _)| VERIFIED_DIALECTS.contains(&own.name)) {
+            let what = format!("{} in {}", example.name, dialect.name);
+            let written = post(&app, &format!("{path}?format=gcode"), body, &[]).await;
+            assert_eq!(written.status, 200, "{what}: {}", written.text());
+            let mut request = against.clone();
+            request["nc"] = json!(written.text());
+            request["dialect"] = json!(dialect.name);
+            let answer = post(&app, "/v1/programs/verify", request.to_string(), &[]).await;
+            assert_eq!(answer.status, 200, "{what}: {}", answer.text());
+            let report = answer.json()["report"].clone();
+            assert_eq!(report["verdict"], "pass", "{what}: {} {}", report["counts"], report["findings"][0]);
+            n += 1;
+        }
+    }
+    assert!(n >= 60, "only {n} programs were verified");
+}

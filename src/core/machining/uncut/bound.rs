@@ -47,8 +47,7 @@ impl Swept {
     /// bound is by the piece `nearest` and its neighbours. Bounds are tried until one is at most `enough` mm.
     pub(super) fn bound(&self, part: &impl Patch, nearest: usize, enough: f64) -> f64 {
         let piece = &self.pieces[nearest];
-        let magnitude = part.corners().iter().map(Vector3::amax).fold(0.0, f64::max);
-        let more = self.slack + ROUNDING * (magnitude + self.solid.radius());
+        let more = self.more(part);
         let mut bound = f64::INFINITY;
         if self.solid.flat == 0.0 {
             let squared = self.squared_bound(part, nearest, enough + self.solid.corner - more);
@@ -61,9 +60,15 @@ impl Swept {
         if bound > enough
             && let Some(other) = self.other(part, nearest)
         {
-            bound = bound.min(self.by_two(part, [&piece.path, &self.pieces[other].path]) + more);
+            bound = bound.min(by_two(part, [(self, &piece.path), (self, &self.pieces[other].path)]) + more);
         }
         bound.max(0.0)
+    }
+
+    /// What the control and rounding add to a bound, mm.
+    fn more(&self, part: &impl Patch) -> f64 {
+        let magnitude = part.corners().iter().map(Vector3::amax).fold(0.0, f64::max);
+        self.slack + ROUNDING * (magnitude + self.solid.radius())
     }
 
     /// The piece that is nearest to the corner of the part that is farthest from `piece`, if it is another.
@@ -120,20 +125,6 @@ impl Swept {
     fn by_hull(&self, part: &impl Patch, path: &PathPiece) -> f64 {
         let (path, more) = self.convex(part, path);
         part.control_points().map(|p| self.distance(&path, &p)).fold(f64::NEG_INFINITY, f64::max) + more
-    }
-
-    /// A bound by two pieces with a ridge between them. Each point is as near to one of the pieces as any
-    /// mean of its two distances. A mean is a convex function, and where its weight fits, it hardly varies
-    /// across the ridge.
-    fn by_two(&self, part: &impl Patch, paths: [&PathPiece; 2]) -> f64 {
-        let [(a, more_a), (b, more_b)] = paths.map(|path| self.convex(part, path));
-        let mut at = [[0.0; 2]; MOST_POINTS];
-        let mut n = 0;
-        for p in part.control_points() {
-            at[n] = [self.distance(&a, &p) + more_a, self.distance(&b, &p) + more_b];
-            n += 1;
-        }
-        least_mean(&at[..n])
     }
 
     /// A piece along which the cutter sweeps a convex solid, in place of `path`, and an error in mm. For
@@ -225,6 +216,27 @@ fn to_track(part: &impl Patch, piece: &SweptPiece) -> Option<ToTrack> {
     let slack = piece.path.slack;
     let squared = if slack > 0.0 { (squared.max(0.0).sqrt() + slack).powi(2) } else { squared };
     Some(ToTrack { squared, beyond, ratio, nearest_to_axis })
+}
+
+/// A bound by a piece of each of two cutters, with a ridge between them, mm, zero or more.
+pub(super) fn by_two_cutters(part: &impl Patch, cutters: [(&Swept, usize); 2]) -> f64 {
+    let more = cutters.map(|(swept, _)| swept.more(part)).into_iter().fold(0.0, f64::max);
+    (by_two(part, cutters.map(|(swept, piece)| (swept, &swept.pieces[piece].path))) + more).max(0.0)
+}
+
+/// A bound by two pieces with a ridge between them. Each point is as near to one of the pieces as any mean of
+/// its two distances. A mean is a convex function, and where its weight fits, it hardly varies across the
+/// ridge.
+fn by_two(part: &impl Patch, paths: [(&Swept, &PathPiece); 2]) -> f64 {
+    let [(a, more_a), (b, more_b)] = paths.map(|(swept, path)| swept.convex(part, path));
+    let [one, other] = paths.map(|(swept, _)| swept);
+    let mut at = [[0.0; 2]; MOST_POINTS];
+    let mut n = 0;
+    for p in part.control_points() {
+        at[n] = [one.distance(&a, &p) + more_a, other.distance(&b, &p) + more_b];
+        n += 1;
+    }
+    least_mean(&at[..n])
 }
 
 /// Bounds of the distance of the part from the axis of an arc, mm: below the least and above the largest.

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::bound::by_two_cutters;
 use super::swept::{Nearest, Swept};
 use super::{Left, Leftover, Reach, Wanted};
 use crate::budget::{Budget, Stopped};
@@ -45,7 +46,7 @@ const DEPTH: u32 = 48;
 struct Open<P> {
     part: P,
     /// The piece that is nearest to the part's centre.
-    near: Nearest,
+    near: NearestOf,
     /// The largest distance of the part from the swept solid, with the allowance, mm.
     bound: f64,
     /// Whether the part belongs to a place that the cutter cannot reach.
@@ -55,10 +56,19 @@ struct Open<P> {
 
 /// The search over one surface.
 pub(super) struct Search<'a, R> {
-    pub(super) swept: &'a Swept,
+    /// What each of the cutters has swept.
+    pub(super) swept: &'a [Swept],
     pub(super) reach: &'a R,
     pub(super) wanted: Wanted,
     pub(super) budget: &'a Budget,
+}
+
+/// The nearest piece of all cutters.
+#[derive(Debug, Clone, Copy)]
+struct NearestOf {
+    /// The index of the cutter.
+    cutter: usize,
+    near: Nearest,
 }
 
 /// What is left at a point.
@@ -94,8 +104,8 @@ impl<R: Reach> Search<'_, R> {
                 let at = |k: usize| (k as f64 + 0.5) / each as f64;
                 let jet = patch.jet(at(k / each), at(k % each));
                 let Some(near) = self.nearest(&jet.point.coords, hint) else { return Ok(Left::UNKNOWN) };
-                hint = Some(near.piece);
-                places.push(LeftAt { distance: self.over_allowance(near.distance, || jet), jet });
+                hint = Some(near);
+                places.push(LeftAt { distance: self.over_allowance(near, near.near.distance, || jet), jet });
             }
         }
         places.sort_by(|a, b| b.distance.total_cmp(&a.distance));
@@ -113,7 +123,7 @@ impl<R: Reach> Search<'_, R> {
     /// The bound that is good enough: it exceeds the largest distance found, with the rounding of the path,
     /// by the gap, or is at most what is wanted.
     fn enough(&self, found: &Leftover, gap_share: f64) -> f64 {
-        let least = found.found_mm + self.swept.over_allowance(self.swept.slack, 0.0);
+        let least = found.found_mm + self.slack();
         let enough = least * (1.0 + gap_share) + self.wanted.gap_mm;
         match self.wanted.target_mm {
             Some(target) if (least..enough).contains(&target) => target,
@@ -121,16 +131,49 @@ impl<R: Reach> Search<'_, R> {
         }
     }
 
-    fn nearest(&self, p: &Vector3<f64>, hint: Option<usize>) -> Option<Nearest> {
-        self.swept.nearest(p, hint)
+    /// What the control may leave the path adds to what is left, mm.
+    fn slack(&self) -> f64 {
+        self.swept.iter().map(|swept| swept.over_allowance(swept.slack, 0.0)).fold(0.0, f64::max)
     }
 
-    /// What a distance means with the allowance, at the place of the jet.
-    fn over_allowance(&self, distance: f64, jet: impl FnOnce() -> Jet) -> f64 {
-        if self.swept.allowance == 0.0 {
+    /// The piece of any cutter that is nearest to `p`; `None` without passes.
+    fn nearest(&self, p: &Vector3<f64>, hint: Option<NearestOf>) -> Option<NearestOf> {
+        let of_cutter = |(cutter, swept): (usize, &Swept)| {
+            let hint = hint.filter(|hint| hint.cutter == cutter).map(|hint| hint.near.piece);
+            swept.nearest(p, hint).map(|near| NearestOf { cutter, near })
+        };
+        let all = self.swept.iter().enumerate().filter_map(of_cutter);
+        all.min_by(|one, other| one.near.distance.total_cmp(&other.near.distance))
+    }
+
+    /// What a distance from a cutter means with the allowance, at the place of the jet.
+    fn over_allowance(&self, near: NearestOf, distance: f64, jet: impl FnOnce() -> Jet) -> f64 {
+        let swept = &self.swept[near.cutter];
+        if swept.allowance == 0.0 {
             return distance;
         }
-        self.swept.over_allowance(distance, most_convex(&jet()))
+        swept.over_allowance(distance, most_convex(&jet()))
+    }
+
+    /// An upper bound of the distance of a part from what all cutters have swept, mm. A bound above `enough`
+    /// is improved by the cutter that is nearest to the corner that the first one leaves farthest away.
+    fn bound(&self, part: &impl Patch, near: NearestOf, enough: f64) -> f64 {
+        let own = &self.swept[near.cutter];
+        let bound = own.bound(part, near.near.piece, enough);
+        if bound <= enough || self.swept.len() == 1 {
+            return bound;
+        }
+        let left = |p: &Vector3<f64>| own.nearest(p, Some(near.near.piece)).map_or(0.0, |near| near.distance);
+        let corners = part.corners().map(|corner| (left(&corner), corner));
+        let farthest = corners.into_iter().max_by(|one, other| one.0.total_cmp(&other.0));
+        let other = farthest.and_then(|(_, corner)| self.nearest(&corner, Some(near)));
+        match other.filter(|other| other.cutter != near.cutter) {
+            Some(other) => {
+                let pieces = [(own, near.near.piece), (&self.swept[other.cutter], other.near.piece)];
+                bound.min(by_two_cutters(part, pieces))
+            }
+            None => bound,
+        }
     }
 
     fn is_reached(&self, place: &LeftAt) -> Result<bool, Stopped> {
@@ -140,19 +183,19 @@ impl<R: Reach> Search<'_, R> {
 
     /// Tries the four corners of a part. Returns whether one of them is reached: at most `enough` mm of
     /// material is left there, or the cutter can come there without a gouge. `found` gets the material that
-    /// is left at such corners. The search for the nearest piece of a pass begins at `piece`.
+    /// is left at such corners. The search for the nearest piece of a pass begins at `hint`.
     fn finds_corner(
         &self,
         part: &impl Patch,
-        piece: usize,
+        hint: NearestOf,
         enough: f64,
         found: &mut Leftover,
     ) -> Result<bool, Stopped> {
         let mut is_reached = false;
         for [u, v] in [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]] {
             let jet = part.jet(u, v);
-            let Some(near) = self.nearest(&jet.point.coords, Some(piece)) else { continue };
-            let place = LeftAt { distance: self.over_allowance(near.distance, || jet), jet };
+            let Some(near) = self.nearest(&jet.point.coords, Some(hint)) else { continue };
+            let place = LeftAt { distance: self.over_allowance(near, near.near.distance, || jet), jet };
             if place.distance <= enough || self.is_reached(&place)? {
                 found.find(&place);
                 is_reached = true;
@@ -188,15 +231,15 @@ impl<R: Reach> Search<'_, R> {
     fn open<P: Patch>(
         &self,
         part: P,
-        hint: Option<usize>,
+        hint: Option<NearestOf>,
         (is_rest, depth): (bool, u32),
         left: &Left,
     ) -> Option<Open<P>> {
-        let near = self.swept.nearest(&part.center(), hint)?;
-        let enough =
-            if self.swept.allowance > 0.0 { 0.0 } else { self.enough(&left.reached, self.wanted.gap_share) };
-        let bound = self.swept.bound(&part, near.piece, enough);
-        let bound = self.over_allowance(bound, || part.jet(0.5, 0.5));
+        let near = self.nearest(&part.center(), hint)?;
+        let has_allowance = self.swept[near.cutter].allowance > 0.0;
+        let enough = if has_allowance { 0.0 } else { self.enough(&left.reached, self.wanted.gap_share) };
+        let bound = self.bound(&part, near, enough);
+        let bound = self.over_allowance(near, bound, || part.jet(0.5, 0.5));
         Some(Open { part, near, bound, is_rest, depth })
     }
 
@@ -214,11 +257,11 @@ impl<R: Reach> Search<'_, R> {
             left.reached.raise(bound, &center);
             return Ok(());
         }
-        let distance = self.over_allowance(near.distance, jet);
+        let distance = self.over_allowance(near, near.near.distance, jet);
         let [along_u, along_v] = part.extents();
         let size = along_u.max(along_v);
         let is_small = size <= self.wanted.grain_mm;
-        let least = distance + self.swept.over_allowance(self.swept.slack, 0.0);
+        let least = distance + self.slack();
         let is_narrow = bound <= least * (1.0 + NARROW * self.wanted.gap_share) + self.wanted.gap_mm;
         // A narrow part with a bound that is too large has more left than is known.
         if (is_narrow || is_small && least > enough) && !is_rest {
@@ -227,7 +270,7 @@ impl<R: Reach> Search<'_, R> {
                 left.reached.find(&place);
             } else {
                 is_rest = size <= BORDER_SHARE * self.wanted.grain_mm
-                    || !self.finds_corner(&part, near.piece, enough, &mut left.reached)?;
+                    || !self.finds_corner(&part, near, enough, &mut left.reached)?;
             }
         }
         let (kind, gap_share) = if is_rest {
@@ -244,7 +287,7 @@ impl<R: Reach> Search<'_, R> {
             return Ok(());
         }
         let halves = [part.split_u(), part.split_v()]
-            .map(|halves| halves.map(|half| self.open(half, Some(near.piece), (is_rest, depth + 1), left)));
+            .map(|halves| halves.map(|half| self.open(half, Some(near), (is_rest, depth + 1), left)));
         for half in self.better(halves, [along_u, along_v]).into_iter().flatten() {
             open.push(half.bound, half);
         }

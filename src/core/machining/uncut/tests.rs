@@ -48,7 +48,7 @@ fn passes(cutter: &Cutter, slope: f64, apart: f64) -> Vec<Vec<Curve>> {
 
 fn left_by(surface: &BezierSurface, cutter: &Cutter, passes: &[Vec<Curve>]) -> Left {
     let swept = Swept::new(cutter, 0.0, passes.iter().map(Vec::as_slice), 0.0, 1e-4);
-    left(surface, &swept, &Everywhere, WANTED, &Budget::unlimited()).unwrap()
+    left(surface, &[swept], &Everywhere, WANTED, &Budget::unlimited()).unwrap()
 }
 
 #[test]
@@ -158,6 +158,25 @@ fn no_spoilt_pass_is_missed() {
     assert_eq!(missed(&Cutter::ball(2.0), 48, 1), 0);
     assert_eq!(missed(&Cutter::bull_nose(2.0, 0.5), 12, 2), 0);
     assert_eq!(missed(&Cutter::bull_nose(2.0, 0.0), 12, 3), 0);
+}
+
+#[test]
+fn cutters_that_share_a_surface_leave_what_all_of_them_leave() {
+    let cutters = [Cutter::ball(2.0), Cutter::bull_nose(2.0, 0.5)];
+    let budget = Budget::unlimited();
+    let [one, other] = cutters.map(|cutter| passes_over_hill(&cutter, 0.5));
+    let swept = |cutter: usize, passes: &[Vec<Curve>]| {
+        Swept::new(&cutters[cutter], 0.0, passes.iter().map(Vec::as_slice), 0.0, 1e-4)
+    };
+    let left_of = |all: &[Swept]| left(&hill(), all, &Everywhere, WANTED, &budget).unwrap().reached.bound_mm;
+    let half = one.len() / 2;
+    let alone = left_of(&[swept(0, &one[..half])]);
+    let shared = left_of(&[swept(0, &one[..=half]), swept(1, &other[half..])]);
+    let whole = [left_of(&[swept(0, &one)]), left_of(&[swept(1, &other)])];
+    assert!(alone > 1.0, "{alone}");
+    assert!(shared <= 1.1 * whole[0].max(whole[1]), "{shared} {whole:?}");
+    let sampled = sampled(&cutters[0], &one[..=half]).min(sampled(&cutters[1], &other[half..]));
+    assert!(shared < sampled, "{shared} {sampled}");
 }
 
 #[test]

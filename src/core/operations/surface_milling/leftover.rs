@@ -90,7 +90,7 @@ impl<P: Patch> Material<'_, P> {
             smallest_mm: SMALLEST_SHARE * gap_mm,
             part_limit: PARTS + (PARTS_EACH * (length / stepover_mm).min(MOST_SQUARES)) as usize,
         };
-        Ok(uncut::left(self.part, &swept, &self.positions, wanted, budget)?)
+        Ok(uncut::left(self.part, &[swept], &self.positions, wanted, budget)?)
     }
 }
 

@@ -38,6 +38,8 @@ pub enum Kind {
     OutsideTravel,
     /// The material beside the tip is higher than the cutting edges.
     DeeperThanFlutes,
+    /// More stands above the part at the end than is allowed. The move is the nearest one.
+    MaterialLeft,
 }
 
 /// Whether a finding holds for every path that the control may run.

@@ -125,6 +125,11 @@ pub struct VerifyRequest {
     /// Least distance of the tool from fixtures, and of shank and holder from stock and part, in mm.
     #[schema(minimum = 0, maximum = 40, default = 0)]
     clearance_mm: Option<f64>,
+    /// How much may stand above the part at the end, in mm: on a surface, on the floor of a `region`, and at
+    /// its walls, where a cutter of the program can reach. More is a finding `material_left`. On a surface
+    /// what no cutter can reach counts, too. Default: anything.
+    #[schema(minimum = 0, maximum = 1_000)]
+    allowed_excess_mm: Option<f64>,
     /// How the control runs a rapid along several axes. Default: `straight` for a toolpath and for
     /// `linuxcnc`, `mach4` and `grbl`, else `dog_leg`.
     rapids: Option<Rapids>,
@@ -178,6 +183,7 @@ pub struct Verification {
     pub tolerance_mm: f64,
     pub control_tolerance_mm: f64,
     pub clearance_mm: f64,
+    pub allowed_excess_mm: Option<f64>,
     pub rapids: Option<core::Rapids>,
     pub meta: Option<Meta>,
     /// `None` where no receipt is asked for.
@@ -227,6 +233,7 @@ impl IntoJob for VerifyRequest {
             tolerance_mm,
             control_tolerance_mm,
             clearance_mm,
+            allowed_excess_mm,
             rapids,
             meta,
         } = self;
@@ -292,6 +299,12 @@ impl IntoJob for VerifyRequest {
         let at = root.field("control_tolerance_mm");
         violations.optional(&at, control_tolerance_mm, ALLOWED, "mm");
         violations.optional(&root.field("clearance_mm"), clearance_mm, ALLOWED, "mm");
+        let at = root.field("allowed_excess_mm");
+        violations.optional(&at, allowed_excess_mm, Range { min: 0.0, max: 1e3 }, "mm");
+        if allowed_excess_mm.is_some() && part.is_none() {
+            let detail = "material stands above a part; send `surface` or `region`, or leave it out";
+            violations.add(&at, FieldCode::Conflict, detail);
+        }
         meta::check(meta.as_ref(), &mut violations);
         let Some(path) = path else { return Err(violations.into_error()) };
         violations.result()?;
@@ -307,6 +320,7 @@ impl IntoJob for VerifyRequest {
             tolerance_mm,
             control_tolerance_mm: control_tolerance_mm.unwrap_or(0.0),
             clearance_mm: clearance_mm.unwrap_or(0.0),
+            allowed_excess_mm,
             rapids: rapids.map(|rapids| match rapids {
                 Rapids::Straight => core::Rapids::Straight,
                 Rapids::DogLeg => core::Rapids::DogLeg,

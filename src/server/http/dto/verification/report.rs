@@ -33,6 +33,12 @@ pub struct VerifyReport {
     /// diagonal of a cell from each wall. `null` without a `region`.
     #[schema(required)]
     uncut_area_mm2: Option<f64>,
+    /// Proved largest distance, in mm, from any place of the walls of a `region` that a cutter of the program
+    /// can touch to the nearest place that the program cuts, at the floor or where the rounded corner of the
+    /// cutter ends. The move is the one nearest to the place. `null` without a `region`, and where no cutter
+    /// that cuts touches a wall or nothing is cut.
+    #[schema(required)]
+    wall_excess_max_mm: Option<Figure>,
     /// Rapids that enter the part or the stock: those of `findings`.
     rapid_collisions: Vec<FindingReport>,
     /// How deep a rapid enters the stock at most. Beside walls that the program has cut the bound is as large
@@ -242,6 +248,7 @@ impl VerifyReport {
             excess_max_mm: report.excess.map(|worst| worst.bound_mm),
             excess_at: report.excess.and_then(|worst| worst.at).map(Point::from),
             uncut_area_mm2: report.uncut_area_mm2,
+            wall_excess_max_mm: report.wall_excess.as_ref().map(figure),
             rapid_collisions: findings.iter().filter(|finding| is_rapid(finding.kind)).cloned().collect(),
             rapid_depth_max_mm: material.map(|material| figure(&material.rapid_depth)),
             holder_clearance_min_mm: report.holder_clearance.as_ref().map(figure),
@@ -345,6 +352,9 @@ fn detail(
         }
         Kind::OutsideTravel => format!("the tip {} the travel by {depth}", verb("leaves", "may leave")),
         Kind::DeeperThanFlutes => format!("the material stands {depth} above the cutting edges"),
+        Kind::MaterialLeft => {
+            format!("{} {depth} above the part", verb("at the end there stand", "at the end there may stand"))
+        }
     };
     let near = at.map_or_else(String::new, |at| format!(", near ({:.3}, {:.3}, {:.3})", at.x, at.y, at.z));
     format!("{who}: {does}{near}")

@@ -137,7 +137,8 @@ fn request(receipt: &Map<String, Value>, files: &Files<'_>) -> Result<Value, Str
     }
     let premises = receipt.get("premises").and_then(Value::as_object);
     let premises = premises.ok_or("the receipt has no premises")?;
-    let names = ["tolerance_mm", "control_tolerance_mm", "clearance_mm", "cell_mm", "rapids"];
+    let names =
+        ["tolerance_mm", "control_tolerance_mm", "clearance_mm", "allowed_excess_mm", "cell_mm", "rapids"];
     request.extend(members_of(premises, &names));
     match program_premises(receipt) {
         Some(of_text) => {

@@ -282,15 +282,10 @@ pub fn verify(job: &Job, budget: &Budget) -> Result<Report, Error> {
     Ok(Report {
         verdict: findings.verdict(),
         gouge,
-<<<<<<< HEAD
         gouges_of_moves: gouges_of_moves.unwrap_or_default(),
-        excess,
-        uncut_area_mm2,
-=======
         excess: left.excess,
         uncut_area_mm2: left.uncut_area_mm2,
         wall_excess: left.of_walls,
->>>>>>> faults
         holder_clearance,
         fixture_clearance,
         material,

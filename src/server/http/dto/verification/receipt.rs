@@ -154,6 +154,9 @@ pub struct Premises {
     arcs_moved_mm: f64,
     /// The least distance from fixtures, and of shank and holder from all else, in mm.
     clearance_mm: f64,
+    /// How much may stand above the part at the end, in mm. Absent where anything may.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    allowed_excess_mm: Option<f64>,
     /// Largest size of a cell of the stock, in mm. Absent where the service has chosen it.
     #[serde(skip_serializing_if = "Option::is_none")]
     cell_mm: Option<f64>,
@@ -171,6 +174,9 @@ struct Bounds {
     /// What stands above the part at most, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     excess_mm: Option<f64>,
+    /// What stands at the walls of a pocket at most, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wall_excess_mm: Option<f64>,
     /// Area of the floor that is not cut, in mm2.
     #[serde(skip_serializing_if = "Option::is_none")]
     uncut_area_mm2: Option<f64>,
@@ -266,6 +272,7 @@ impl Premises {
             control_tolerance_mm: job.control_tolerance_mm,
             arcs_moved_mm: 0.0,
             clearance_mm: job.clearance_mm,
+            allowed_excess_mm: job.allowed_excess_mm,
             cell_mm: job.cell_mm,
             rapids: Rapids::Straight,
         })
@@ -301,6 +308,7 @@ impl Receipt {
             bounds: Bounds {
                 gouge_mm: found.gouge.map(|worst| worst.bound_mm),
                 excess_mm: found.excess.map(|worst| worst.bound_mm),
+                wall_excess_mm: found.wall_excess.map(|worst| worst.bound_mm),
                 uncut_area_mm2: found.uncut_area_mm2,
                 rapid_depth_mm: found.material.as_ref().map(|material| material.rapid_depth.bound_mm),
                 holder_clearance_mm: found.holder_clearance.map(|worst| worst.bound_mm),

@@ -101,6 +101,10 @@ pub enum Fault {
     #[error("this version reads arcs in planes of two axes only")]
     TiltedArc,
     #[error(
+        "a turn leads the normal of the plane away from its axis, and this version reads cycles along an axis only"
+    )]
+    TiltedCycle,
+    #[error(
         "where an incremental way leads after a turn or a scaling depends on the control: write an absolute place"
     )]
     IncrementOfNewZero,

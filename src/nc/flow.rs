@@ -319,6 +319,11 @@ impl<'a, 'm> Execution<'a, 'm> {
             call.again -= 1;
             self.next = call.start;
             self.loops.truncate(call.n_loops);
+            // Each run has a level of its own.
+            let restores = std::mem::take(&mut call.restores);
+            if let Some(modes) = call.saved.take().filter(|_| restores) {
+                self.machine.restore_modes(line, &modes);
+            }
             return;
         }
         let (back, at) = (call.back, call.line);

@@ -29,7 +29,7 @@ pub struct Frames {
     last_frame: u32,
     local: [f64; 3],
     set: [f64; 3],
-    /// The shifts that G92.2 has suspended.
+    /// The shifts of G92 that G92.3 brings back.
     suspended: [f64; 3],
     /// G92 was given where the place was not known.
     is_lost: [bool; 3],
@@ -142,7 +142,10 @@ impl Frames {
     /// G92: where the tool stands has the coordinate `mm`.
     pub fn set(&mut self, axis: usize, mm: f64, at: &mut [Option<f64>; 3]) {
         match at[axis] {
-            Some(place) => self.set[axis] = place - mm - self.zero(axis) - self.local[axis],
+            Some(place) => {
+                self.set[axis] = place - mm - self.zero(axis) - self.local[axis];
+                self.suspended[axis] = self.set[axis];
+            }
             None => {
                 self.begin_frame(self.active, axis);
                 (self.local[axis], self.set[axis]) = (0.0, 0.0);
@@ -155,7 +158,9 @@ impl Frames {
     /// G92.1 and G92.2: the shifts of G92 and G52 end along `axes`.
     pub fn unset(&mut self, axes: [bool; 3], keeps: bool, at: &mut [Option<f64>; 3]) {
         for axis in (0..3).filter(|k| axes[*k]) {
-            self.suspended[axis] = if keeps { self.set[axis] } else { 0.0 };
+            if !keeps {
+                self.suspended[axis] = 0.0;
+            }
             (self.local[axis], self.set[axis]) = (0.0, 0.0);
             if self.is_lost[axis] {
                 self.is_lost[axis] = false;
@@ -165,7 +170,7 @@ impl Frames {
         }
     }
 
-    /// G92.3: what G92.2 has suspended holds again.
+    /// G92.3: the last shifts of G92 hold again.
     pub fn restore(&mut self) {
         self.set = self.suspended;
     }

@@ -307,6 +307,11 @@ impl<'a> Machine<'a> {
         for (_, meaning) in meanings.iter().filter(|(_, meaning)| !ends(meaning)) {
             self.set_mode(*meaning);
         }
+        if let Some(call) = meanings.iter().find(|(_, meaning)| *meaning == Meaning::Call) {
+            let next = self.macro_call(line, block, call.0);
+            self.check_unused(line, block, leaves, next);
+            return next;
+        }
         self.compensate(line, block, &meanings);
         self.take_feed_and_speed(line, block, &meanings, unit_before_mm);
         self.change_tool(line, block, &functions);
@@ -321,12 +326,8 @@ impl<'a> Machine<'a> {
         self.select_lengths(line, block, &meanings);
         self.select_offsets(line, block, &meanings);
         self.use_polar_words(line, block);
-        let next = if meanings.iter().any(|(_, meaning)| *meaning == Meaning::Call) {
-            self.macro_call(line, block)
-        } else {
-            self.move_by(line, block, &meanings);
-            self.leave_or_go(line, block, &functions)
-        };
+        self.move_by(line, block, &meanings);
+        let next = self.leave_or_go(line, block, &functions);
         self.check_unused(line, block, leaves, next);
         next
     }

@@ -104,6 +104,12 @@ impl Placement {
         self.linear[(axis, axis)]
     }
 
+    /// Whether the direction of an axis stays what it is.
+    pub fn keeps_direction(&self, axis: usize) -> bool {
+        let is_own = |k: usize| self.linear[(k, axis)] == 0.0 && self.linear[(axis, k)] == 0.0;
+        (0..3).filter(|k| *k != axis).all(is_own) && self.factor(axis) > 0.0
+    }
+
     /// What lengths in the plane are multiplied by, and whether the sense of arcs changes. `None` where the
     /// two directions of the plane have different factors, so that circles become ellipses.
     pub fn in_plane(&self, plane: Plane) -> Option<(f64, bool)> {

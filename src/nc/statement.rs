@@ -87,10 +87,7 @@ pub fn statement(line: &[u8], language: Language) -> Statement {
         }
         b'I' | b'W' | b'D' | b'E' | b'G' if language == Language::Fanuc => {
             let rest = &line[at..];
-            let number = |word: &str| {
-                let start = blanks(line, at + word.len());
-                whole(&line[start..]).0
-            };
+            let number_of_end = || whole(&line[blanks(line, at + "END".len())..]).0;
             if starts_with_word(rest, "IF") {
                 Statement::If(at + 2)
             } else if starts_with_word(rest, "WHILE") {
@@ -99,7 +96,7 @@ pub fn statement(line: &[u8], language: Language) -> Statement {
                 Statement::Goto(at + 4)
             } else if starts_with_word(rest, "DO") {
                 Statement::While(None)
-            } else if let (true, Some(number)) = (starts_with_word(rest, "END"), number("END")) {
+            } else if let Some(number) = starts_with_word(rest, "END").then(number_of_end).flatten() {
                 Statement::End(number)
             } else {
                 Statement::Words(0)

@@ -48,6 +48,7 @@ mod block;
 mod figures;
 mod labels;
 mod lines;
+mod mentions;
 mod modes;
 mod run;
 mod stretches;
@@ -59,6 +60,7 @@ pub use self::figures::{Figures, LeftAlone, RewriteError};
 use self::labels::{Jumps, Labels};
 pub use self::lines::MAX_LINE_LENGTH;
 use self::lines::{Cutter, line_end, whole};
+use self::mentions::Mentions;
 use self::modes::{Modes, Needs};
 use self::run::{OpenRun, Style};
 use self::stretches::Fitting;
@@ -108,8 +110,10 @@ pub struct Rewriter {
     n_lines: u64,
     /// Blocks to which the program may jump: they are in no run.
     labels: Labels,
-    /// The modes at these blocks. `Modes::forgotten` holds at others.
+    /// The modes at these blocks. `Mentions::forget` holds at others.
     arrivals: Arrivals,
+    /// The modes that the text sets anywhere, as far as it has arrived.
+    mentions: Mentions,
     /// The start of the program, until its jumps have been found.
     held: Vec<u8>,
     is_scanned: bool,
@@ -142,6 +146,7 @@ impl Rewriter {
             n_lines: 0,
             labels: Labels::default(),
             arrivals: Arrivals::default(),
+            mentions: Mentions::default(),
             held: Vec::new(),
             is_scanned: false,
             n_scanned_lines: 0,
@@ -169,8 +174,10 @@ impl Rewriter {
         let held = std::mem::take(&mut self.held);
         budget.check()?;
         self.labels.find(&held, self.job.dialect);
+        self.mentions = Mentions::find(&held);
+        self.modes = self.mentions.start();
         let scanned = if is_whole { &held[..] } else { &held[..whole(&held)] };
-        self.arrivals = Arrivals::find(scanned, &self.labels, self.job.dialect, budget)?;
+        self.arrivals = Arrivals::find(scanned, &self.labels, (self.job.dialect, &self.mentions), budget)?;
         self.n_scanned_lines = lines::split(scanned).count() as u64;
         self.take(&held, out, budget)
     }
@@ -216,6 +223,9 @@ impl Rewriter {
             self.line_end = end;
         }
         let text = &line[..line.len() - end.len()];
+        if self.n_lines > self.n_scanned_lines {
+            self.mentions.take(text);
+        }
         let block = if self.n_lines == 1 { Block::read_first(text) } else { Block::read(text) };
         let block = block.on(self.job.dialect);
         let is_short = text.len() <= MAX_RUN_BLOCK_LENGTH && self.run.has_room(line.len());
@@ -290,7 +300,9 @@ impl Rewriter {
 
     /// The modes that hold at a label, also where the program arrives from above.
     fn modes_at(&self, number: &[u8]) -> Modes {
-        self.arrivals.at(number).map_or(self.modes.forgotten(), |modes| modes.common_with(&self.modes))
+        self.arrivals
+            .at(number)
+            .map_or(self.mentions.forget(&self.modes), |modes| modes.common_with(&self.modes))
     }
 
     /// Writes a line that is in no run, and follows its words.
@@ -303,7 +315,7 @@ impl Rewriter {
             return Err(RewriteError::LateJump { line: self.n_lines, limit: SCANNED });
         }
         let before = if may_arrive { self.modes_at(&line[block.number.clone()]) } else { self.modes };
-        let (next, needs) = before.read(block, dialect);
+        let (next, needs) = before.read(block, dialect, &self.mentions);
         let needs = if may_arrive { Needs::ALL } else { needs };
         if self.output.settle(&needs, &self.modes, dialect, self.line_end, out) {
             // One blank at the end of a line may be a slip.
@@ -315,7 +327,7 @@ impl Rewriter {
         }
         let is_certain = next.distance.is_some() && !block.is_optional && !may_arrive;
         self.speed = match block.speed {
-            _ if !is_certain => None,
+            _ if !is_certain || block.is_unclear => None,
             Some(speed) => Some(speed.millionths),
             None => self.speed,
         };

@@ -7,8 +7,19 @@ use serde_json::{Map, Value, json};
 
 use crate::config::{Checking, Limits};
 use crate::http::{DIGESTED, RECEIPT_SCHEMA, members_of, receipt_of};
-use crate::receipt::{PublicKey, digest, digest_of, leave_out_null};
+use crate::receipt::{PublicKey, Unrepeated, digest, digest_of, leave_out_null};
 use toolpathd_core::budget::Budget;
+
+/// Members of a request that are premises of its receipt.
+const PREMISES: [&str; 6] =
+    ["tolerance_mm", "control_tolerance_mm", "clearance_mm", "allowed_excess_mm", "cell_mm", "rapids"];
+
+/// The same of what a program does not say.
+const PREMISES_OF_TEXT: [&str; 7] =
+    ["dialect", "units", "without_point", "start", "offsets", "block_delete", "compensation"];
+
+/// A mark of the order of bytes at the start of a text in UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// The most differences that are named.
 const MOST_NAMED: usize = 10;
@@ -33,12 +44,14 @@ pub fn check(checking: &Checking, limits: &Limits) -> Result<String, String> {
     let files = Files { program: &read(program)?, part: &object(part)? };
     judged(receipt, &files, key.as_ref(), limits).map_err(|reasons| reasons.join("\n"))?;
     let verdict = receipt.get("verdict").and_then(Value::as_str).unwrap_or_default();
+    let tolerance = receipt.get("premises").and_then(|own| own.get("tolerance_mm")).cloned();
+    let tolerance = tolerance.unwrap_or_default();
     let signed = match (signature(receipt), key) {
         (Some(_), Some(_)) => "signed by the key that was asked for".to_owned(),
         (Some((key, _)), None) => format!("signed by {key}, which was compared with no key"),
         (None, _) => "not signed".to_owned(),
     };
-    let text = format!("the receipt holds: verdict {verdict}; {signed}");
+    let text = format!("the receipt holds: verdict {verdict} within {tolerance} mm; {signed}");
     if verdict == "pass" { Ok(text) } else { Err(text) }
 }
 
@@ -55,15 +68,14 @@ fn judged(
     let mut reasons = Vec::new();
     reasons.extend(altered(receipt, key));
     reasons.extend(stale(receipt, files));
+    reasons.extend(contradictions(receipt, files));
     if !reasons.is_empty() {
         return Err(reasons);
     }
     let request = request(receipt, files).map_err(|reason| vec![reason])?;
     let anew = receipt_of(request.to_string().as_bytes(), limits, &Budget::unlimited());
-    let anew = anew.map_err(|error| {
-        let more = error.errors().iter().map(|own| format!("; {}: {}", own.pointer, own.detail));
-        vec![format!("the program is not verified again: {}{}", error.detail(), more.collect::<String>())]
-    })?;
+    let anew =
+        anew.map_err(|error| vec![format!("the program is not verified again: {}", error.detail())])?;
     let mut anew = serde_json::to_value(anew).map_err(|error| vec![error.to_string()])?;
     leave_out_null(&mut anew);
     let mut stated = Value::Object(receipt.clone());
@@ -89,13 +101,14 @@ fn altered(receipt: &Map<String, Value>, key: Option<&PublicKey>) -> Vec<String>
         reasons.push("the receipt was altered: its digest does not fit its content".to_owned());
     }
     let algorithm = receipt.get("signature").and_then(|own| own.get("algorithm"));
+    let n_members = receipt.get("signature").and_then(Value::as_object).map_or(0, Map::len);
     match signature(receipt) {
         None if key.is_some() => reasons.push("the receipt is not signed".to_owned()),
         None => {}
         Some((own, value)) => {
             let signed_by = PublicKey::of_base64(own);
             let is_signed = signed_by.as_ref().is_some_and(|key| key.has_signed(stated, value));
-            if !is_signed || algorithm.and_then(Value::as_str) != Some("ed25519") {
+            if !is_signed || n_members != 3 || algorithm.and_then(Value::as_str) != Some("ed25519") {
                 reasons.push("the signature does not fit the receipt".to_owned());
             } else if key.is_some() && signed_by.as_ref() != key {
                 reasons.push(format!("another key has signed the receipt: {own}"));
@@ -124,6 +137,31 @@ fn stale(receipt: &Map<String, Value>, files: &Files<'_>) -> Vec<String> {
     reasons
 }
 
+/// Premises that the request of PART names in another way.
+fn contradictions(receipt: &Map<String, Value>, files: &Files<'_>) -> Vec<String> {
+    let premises = receipt.get("premises").and_then(Value::as_object);
+    let stated = |name: &str| {
+        let of_text = program_premises(receipt).and_then(|own| own.get(name));
+        premises.and_then(|own| own.get(name)).or(of_text).cloned().unwrap_or_default()
+    };
+    let names = PREMISES.iter().chain(&PREMISES_OF_TEXT);
+    let asked = names.filter_map(|name| Some((*name, files.part.get(*name).filter(|own| !own.is_null())?)));
+    let other = asked.filter(|(name, value)| !is_same(value, &stated(name)));
+    let told = other.map(|(name, value)| {
+        format!("the request has another {name} than the receipt: {value} and {}", stated(name))
+    });
+    told.collect()
+}
+
+/// Whether two values are the same, in letters of any case and with either name of a work offset.
+fn is_same(one: &Value, other: &Value) -> bool {
+    let text = |value: &Value| {
+        let value = serde_json::from_str::<Value>(&value.to_string().to_uppercase().replace("G154", "G54.1"));
+        value.ok().and_then(|value| digest_of(&value).ok())
+    };
+    one == other || text(one).is_some_and(|one| Some(one) == text(other))
+}
+
 /// How the text was read; `None` where a toolpath was verified.
 fn program_premises(receipt: &Map<String, Value>) -> Option<&Map<String, Value>> {
     receipt.get("premises")?.get("program")?.as_object()
@@ -137,14 +175,10 @@ fn request(receipt: &Map<String, Value>, files: &Files<'_>) -> Result<Value, Str
     }
     let premises = receipt.get("premises").and_then(Value::as_object);
     let premises = premises.ok_or("the receipt has no premises")?;
-    let names =
-        ["tolerance_mm", "control_tolerance_mm", "clearance_mm", "allowed_excess_mm", "cell_mm", "rapids"];
-    request.extend(members_of(premises, &names));
+    request.extend(members_of(premises, &PREMISES));
     match program_premises(receipt) {
         Some(of_text) => {
-            let names =
-                ["dialect", "units", "without_point", "start", "offsets", "block_delete", "compensation"];
-            request.extend(members_of(of_text, &names));
+            request.extend(members_of(of_text, &PREMISES_OF_TEXT));
             let text = std::str::from_utf8(files.program).map_err(|_| "the program is no text in UTF-8")?;
             request.insert("nc".to_owned(), json!(text));
         }
@@ -188,8 +222,13 @@ fn differences(at: &str, stated: &Value, anew: &Value, reasons: &mut Vec<String>
 }
 
 fn object(path: &Path) -> Result<Map<String, Value>, String> {
-    serde_json::from_slice(&read(path)?)
-        .map_err(|error| format!("{}: this is no object in JSON: {error}", path.display()))
+    let text = read(path)?;
+    let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&text);
+    match serde_json::from_slice(text) {
+        Ok(Unrepeated(Value::Object(members))) => Ok(members),
+        Ok(_) => Err(format!("{}: this is no object in JSON", path.display())),
+        Err(error) => Err(format!("{}: this is no object in JSON: {error}", path.display())),
+    }
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, String> {
@@ -287,6 +326,14 @@ mod tests {
         let tool = json!({ "shape": "flat", "diameter_mm": 8.001, "number": 3, "flute_length_mm": 20 });
         assert_eq!(reasons(&receipt, &program, &changed("tool", tool)), stale("tools"));
         assert_eq!(reasons(&receipt, &program, &changed("floor_z_mm", json!(-2.999))), stale("part"));
+        let other = |name: &str, value: Value| {
+            let told = reasons(&receipt, &program, &changed(name, value));
+            assert!(told.iter().any(|reason| reason.contains(&format!("another {name}"))), "{told:?}");
+        };
+        other("tolerance_mm", json!(1));
+        other("rapids", json!("straight"));
+        other("dialect", json!("linuxcnc"));
+        assert_eq!(reasons(&receipt, &program, &changed("tolerance_mm", json!(0.01))), [""; 0]);
         // The same number in another text is the same part; so is a member that is null.
         assert_eq!(
             reasons(&receipt, &program, &POCKET.replace("\"floor_z_mm\": -3,", "\"floor_z_mm\": -3.0,")),

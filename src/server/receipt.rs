@@ -8,12 +8,14 @@
 //! receipt.
 
 mod key;
+mod unrepeated;
 
 use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 pub use key::{PublicKey, SigningKey};
+pub use unrepeated::Unrepeated;
 
 /// The digest of bytes.
 pub fn digest(bytes: &[u8]) -> String {

@@ -30,7 +30,7 @@ impl<'a> Execution<'a, '_> {
             700 | 730 => {
                 *saved = Some(modes);
                 if let Some(restores) = restores {
-                    *restores = code.tenths == 730;
+                    *restores |= code.tenths == 730;
                 }
             }
             710 => *saved = None,

@@ -38,6 +38,11 @@ pub struct Parameters {
     pub is_level: bool,
 }
 
+/// Whether the control keeps the angle of a rotary axis in the parameter.
+fn is_angle(key: Key) -> bool {
+    key.kind == Kind::Plain && (120..=122).contains(&key.number)
+}
+
 impl Key {
     /// The parameter of a cycle.
     pub fn of_cycle(number: u16) -> Self {
@@ -58,7 +63,7 @@ impl Parameters {
         if !key.is_legal() {
             return Err(Some(Fault::OutOfRange(f64::from(key.number))));
         }
-        if key.kind == Kind::Plain && (120..=122).contains(&key.number) && self.is_level {
+        if is_angle(key) && self.is_level {
             return Ok(0.0);
         }
         if key.kind == Kind::Plain && (100..200).contains(&key.number) {
@@ -79,6 +84,8 @@ impl Parameters {
         if !key.is_legal() {
             return Err(Fault::OutOfRange(f64::from(key.number)));
         }
+        // The program's own value is not the control's.
+        self.is_level &= !is_angle(key);
         let values = if key.kind == Kind::Local { &mut self.local } else { &mut self.values };
         values.insert(key, value.ok());
         Ok(())

@@ -2,9 +2,19 @@
 
 use super::{Block, Code, Fault, Function, Line, Machine, Next, WithoutPoint, WordValue};
 
+/// G words that may stand beside G65, in tenths: motions, planes, units, and absolute or incremental.
+const BESIDE_CALLS: [i32; 11] = [0, 10, 20, 30, 170, 180, 190, 200, 210, 900, 910];
+
 impl Machine<'_> {
-    /// G65: calls a macro. Its arguments are used where the call is made.
-    pub(super) fn macro_call(&mut self, line: Line<'_>, block: &mut Block) -> Next {
+    /// G65: calls a macro. All other words are its arguments, which are used where the call is made; they do
+    /// nothing else.
+    pub(super) fn macro_call(&mut self, line: Line<'_>, block: &mut Block, call: Code) -> Next {
+        // A word of M would be argument 13. Other G words than these would act beside the call.
+        let acts = |code: &Code| code.tenths != call.tenths && !BESIDE_CALLS.contains(&code.tenths);
+        if let Some(other) = block.m.first().or(block.g.iter().find(|code| acts(code))).copied() {
+            self.refuse_code(line, other, Fault::Conflict);
+            return Next::Stop;
+        }
         let (program, times) = (block.take(b'P'), block.take(b'L'));
         let Some(program) = program else {
             self.refuse(line.refused(Fault::Missing('P')));

@@ -14,6 +14,9 @@ use crate::placement::Coordinate;
 /// Most pecks of one hole, and most holes of one block. More would be an error of the program.
 const MAX_PECKS: f64 = 100_000.0;
 
+/// What is left of the depth below this is rounding, mm.
+const LEAST_PECK_MM: f64 = 1e-6;
+
 /// A cycle in force, with the words that stay in force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle {
@@ -105,6 +108,10 @@ impl Machine<'_> {
                 }
             }
         }
+        if n != 2 && !self.placement.keeps_direction(n) {
+            self.refuse(line.refused(Fault::TiltedCycle));
+            return;
+        }
         let Some(hole) = self.hole(line, cycle, n) else { return };
         for _ in 0..repeats {
             let to = self.target_of(line, words);
@@ -194,7 +201,7 @@ impl Machine<'_> {
         let mut depth = r;
         if peck > 0.0 && matches!(cycle.number, 73 | 83) {
             depth -= peck;
-            while depth > bottom {
+            while depth > bottom + LEAST_PECK_MM {
                 self.line(line, along(self.at, depth));
                 if cycle.number == 83 {
                     self.rapid(line, along(self.at, r));

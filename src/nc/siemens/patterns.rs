@@ -96,6 +96,9 @@ impl Values<'_> {
         let number = self.count(5, "NUM")?;
         self.check_rest(6, 10)?;
         let (first, step) = (self.length(3)?, self.length(4)?);
+        if first < 0.0 || step < 0.0 || step == 0.0 && number > 1 {
+            return Err(if first < 0.0 { "FDIS" } else { "DBH" });
+        }
         let places: Result<_, _> =
             (0..number).map(|k| self.at(self.number(2)?, first + step * k as f64)).collect();
         Ok(Holes { places: places?, is_ordered: true })
@@ -115,6 +118,9 @@ impl Values<'_> {
             _ => return Err("_VARI"),
         };
         let radius = self.length(2)?;
+        if radius <= 0.0 {
+            return Err("RAD");
+        }
         let places: Result<_, _> =
             (0..number).map(|k| self.at(self.number(3)? + step * k as f64, radius)).collect();
         Ok(Holes { places: places?, is_ordered: true })

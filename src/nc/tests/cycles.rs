@@ -54,3 +54,26 @@ fn a_cycle_without_its_words_is_refused() {
     assert_eq!(of("G87 X1. Z-5. R1. F100."), [Fault::NotRead]);
     assert_eq!(of("G81 X1. Z-5. R1."), [Fault::NoFeed]);
 }
+
+#[test]
+fn a_cycle_along_a_turned_axis_is_refused() {
+    let program = |turn: &str| {
+        format!("G21 G90 G94 F100\nG10 L2 P1 R{turn} X0 Y0 Z0\nG0 X1 Y5 Z5\nG18 G81 X1 Z2 Y-2 R1\nG80\nM2\n")
+    };
+    for turn in ["30", "90", "180"] {
+        let found = faults("linuxcnc", &program(turn));
+        assert!(found.iter().any(|(_, _, fault)| *fault == Fault::TiltedCycle), "{turn}: {found:?}");
+    }
+    of("linuxcnc", &program("0"));
+}
+
+#[test]
+fn a_depth_of_whole_pecks_has_no_further_peck() {
+    let text = "G20 G90 G94 F10 G0 X6 Y5 Z5\nG83 X6 Y5 Z-2 R4 Q1.5\nG80\nM2\n";
+    let cuts = of("linuxcnc", text)
+        .toolpath
+        .moves()
+        .filter(|own| matches!(own, toolpathd_core::toolpath::Move::Feed { .. }))
+        .count();
+    assert_eq!(cuts, 4);
+}

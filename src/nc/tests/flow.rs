@@ -93,3 +93,52 @@ fn a_saved_modal_state_comes_back() {
     assert_eq!(fault("M70\no1 sub\nM72\no1 endsub\no1 call"), Fault::NothingSaved);
     assert_eq!(fault("G1 X1 M70"), Fault::Conflict);
 }
+
+/// The end of a program along X, Y and Z.
+fn end(dialect: &str, text: &str) -> [Option<f64>; 3] {
+    of(dialect, text).end
+}
+
+#[test]
+fn all_words_beside_g65_are_arguments() {
+    let macros = |arguments: &str, body: &str| {
+        let main = format!("G21 G90 G0 X0. Y0. Z5.\nG1 Z-2. F100.\nG65 P9010 {arguments}\nG1 X50.\nM30\n");
+        of("fanuc", &format!("{main}O9010\n{body}\nM99\n"))
+    };
+    for (argument, variable) in [("S8.", 19), ("T8.", 20), ("F8.", 9), ("D8.", 7), ("H8.", 11), ("A8.", 1)] {
+        let program = macros(argument, &format!("G1 Z-#{variable}"));
+        assert_eq!(program.end, [Some(50.0), Some(0.0), Some(-8.0)], "{argument}");
+        // No word acts on the caller.
+        assert!(program.feeds.iter().all(|own| own.feed_mm_per_min == 100.0), "{:?}", program.feeds);
+    }
+}
+
+#[test]
+fn a_bare_g_word_and_what_is_no_word_end_no_reading() {
+    for dialect in ["fanuc", "haas", "mazak", "mach4"] {
+        assert_eq!(end(dialect, "G21 G90 G0 X1. Y1. Z1.\nG1\nX2. F100.\nM30\n")[0], Some(2.0));
+        for line in ["G", "E", "EN", "END", "/G1", "N1 G1", "I", "W", "D"] {
+            let program = format!("G21 G90 G0 X1. Y1. Z1.\n{line}");
+            let _ = crate::read(&job(dialect, &program), &toolpathd_core::budget::Budget::unlimited());
+        }
+    }
+}
+
+#[test]
+fn each_run_of_a_repeated_call_restores_its_modes() {
+    let repeated = "G21 G90 G94 G0 X0 Y0 Z0\nG1 F100\nM98 P1 L3\nG1 X1\nM2\nO1\nG1 X2\nM73\nG91 G1 X2\nM99\n";
+    // Of 2, 4, 2, 4, 2, 4 and the way back to 1.
+    assert_eq!(end("linuxcnc", repeated)[0], Some(1.0));
+    close(&[lengths("linuxcnc", repeated)[0]], &[2.0 * 6.0 + 3.0]);
+    let saved_again =
+        "G21 G90 G94 G0 X5 Y0 Z0\nG1 F100\no1 sub\nM73\nM70\nG91\nG1 X1\no1 endsub\no1 call\nG1 X10\nM2\n";
+    assert_eq!(end("linuxcnc", saved_again)[0], Some(10.0));
+}
+
+#[test]
+fn g92_3_brings_back_the_last_shift_of_g92() {
+    let start = "G21 G90 G94 F100 G0 X0 Y0 Z0\nG1 X6\n";
+    assert_eq!(end("linuxcnc", &format!("{start}G92 X1\nG92.3\nG1 X-2\nM2\n"))[0], Some(3.0));
+    let twice = format!("{start}G92 X1\nG92.2\nG92 Y2\nG92.3\nG1 X-2\nM2\n");
+    assert_eq!(end("linuxcnc", &twice)[0], Some(3.0));
+}

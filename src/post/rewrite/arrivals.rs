@@ -17,6 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::block::Block;
 use super::labels::{Jumps, Labels};
 use super::lines::{line_end, split};
+use super::mentions::Mentions;
 use super::modes::Modes;
 use crate::dialect::Dialect;
 use toolpathd_core::budget::{Budget, Stopped};
@@ -40,11 +41,16 @@ impl Arrivals {
     ///
     /// # Errors
     /// When the budget is spent.
-    pub fn find(text: &[u8], labels: &Labels, dialect: &Dialect, budget: &Budget) -> Result<Self, Stopped> {
+    pub fn find(
+        text: &[u8],
+        labels: &Labels,
+        reading: (&Dialect, &Mentions),
+        budget: &Budget,
+    ) -> Result<Self, Stopped> {
         let mut arrivals = Self::default();
         for _ in 0..if labels.are_known() { MAX_PASSES } else { 0 } {
             let mut met = BTreeSet::new();
-            if !arrivals.pass(text, labels, dialect, budget, &mut met)? {
+            if !arrivals.pass(text, labels, reading, budget, &mut met)? {
                 arrivals.modes.retain(|label, _| met.contains(label));
                 return Ok(arrivals);
             }
@@ -71,11 +77,11 @@ impl Arrivals {
         &mut self,
         text: &[u8],
         labels: &Labels,
-        dialect: &Dialect,
+        (dialect, mentions): (&Dialect, &Mentions),
         budget: &Budget,
         met: &mut BTreeSet<u64>,
     ) -> Result<bool, Stopped> {
-        let (mut modes, mut has_changed) = (Modes::START, false);
+        let (mut modes, mut has_changed) = (mentions.start(), false);
         for (k, line) in split(text).enumerate() {
             if k.is_multiple_of(LINES_BETWEEN_CHECKS) {
                 budget.check()?;
@@ -85,9 +91,9 @@ impl Arrivals {
             if let Some(label) = labels.label(&line[block.number.clone()]) {
                 met.insert(label);
                 has_changed |= self.arrive(label, Some(&modes));
-                modes = self.modes.get(&label).copied().flatten().unwrap_or(modes.forgotten());
+                modes = self.modes.get(&label).copied().flatten().unwrap_or(mentions.forget(&modes));
             }
-            modes = modes.read(&block, dialect).0;
+            modes = modes.read(&block, dialect, mentions).0;
             for target in Jumps::of(line, &block).targets {
                 has_changed |= self.arrive(target, Some(&modes).filter(|_| block.is_plain_jump));
             }

@@ -1,7 +1,7 @@
 //! The blocks to which a program may jump.
 //!
 //! # Method
-//! GOTO, M97 P, M98 Q, M99 P, and P and Q of G70 to G76 name blocks by their numbers. A jump to a computed
+//! GOTO, M96 P, M97 P, M98 Q, M99 P, and P and Q of G70 to G76 name blocks by their numbers. A jump to a computed
 //! number may lead to every numbered block.
 
 use std::collections::BTreeSet;
@@ -96,7 +96,7 @@ impl Jumps {
         } else {
             let has_range = block.g.all().iter().any(|code| (700..=760).contains(code));
             let letters: &[u8] = match () {
-                () if block.m.has(970) || block.m.has(990) => b"P",
+                () if [960, 970, 990].iter().any(|code| block.m.has(*code)) => b"P",
                 // M98 Q calls a part of the program that begins at a block; on some controls, H does.
                 () if block.m.has(980) => b"QH",
                 () if has_range => b"PQ",
@@ -148,7 +148,11 @@ fn unclear(line: &[u8], block: &Block, targets: &mut Vec<u64>) -> bool {
     }
     let packed: Vec<u8> = text.iter().copied().filter(|c| !c.is_ascii_whitespace()).collect();
     let has = |word: &[u8]| packed.windows(word.len()).any(|part| part == word);
-    if (has(b"M99") || has(b"M97")) && packed.contains(&b'P') {
+    let names = |letters: &[u8]| letters.iter().any(|letter| packed.contains(letter));
+    let by_p = [b"M96", b"M97", b"M99"].iter().any(|word| has(*word)) && names(b"P");
+    let by_part = has(b"M98") && names(b"QH");
+    let is_range = (b'0'..=b'6').any(|digit| has(&[b'G', b'7', digit])) && names(b"PQ");
+    if by_p || by_part || is_range {
         is_clear = false;
     }
     is_clear
@@ -176,6 +180,7 @@ mod tests {
             "G70 P50 Q60",
             "G65 P70",
             "M98 P80 Q90",
+            "M96 P100 Q8",
         ]);
         for (word, is_label) in [
             ("N200", true),
@@ -186,11 +191,12 @@ mod tests {
             ("N70", false),
             ("N80", false),
             ("N90", true),
+            ("N100", true),
             ("", false),
         ] {
             assert_eq!(found.hold(word.as_bytes()), is_label, "{word}");
         }
-        for line in ["GOTO #5", "GOTO[#1+10]", "M99 P#3", "GOTO 5[1]"] {
+        for line in ["GOTO #5", "GOTO[#1+10]", "M99 P#3", "GOTO 5[1]", "M98 P1 Q60 L#1", "G71 P60 Q100 U#1"] {
             assert!(labels(&[line]).hold(b"N1") && !labels(&[line]).hold(b""), "{line}");
         }
     }

@@ -1,6 +1,7 @@
 //! Follows the modal state of the control line by line, and says on which modes a line relies.
 
 use super::block::Block;
+use super::mentions::Mentions;
 use crate::dialect::{Dialect, Point};
 use crate::nc::{
     Decimal, Distance, Effect, FeedMode, Function, Modal, Modifier, Motion, PositionEffect, effect, function,
@@ -65,16 +66,9 @@ impl Modes {
         modifiers == 0 && may_write_centers && is_known && has_feed_mode
     }
 
-    /// The modes that are still known after another part of the program, or another program, has run. Units,
-    /// centre mode, feed mode and modifiers are taken to be as before. Motion, plane, distance mode, feed and
-    /// position are unknown.
-    pub fn forgotten(&self) -> Self {
-        Self { distance: None, plane: None, motion: None, feed: None, at: [None; 3], ..*self }
-    }
-
     /// The state after `block`, and what the block needs of the state before it. After an assignment to a
     /// variable, only feed and position are unknown.
-    pub fn read(&self, block: &Block, dialect: &Dialect) -> (Self, Needs) {
+    pub fn read(&self, block: &Block, dialect: &Dialect, mentions: &Mentions) -> (Self, Needs) {
         if block.is_assignment {
             return (Self { feed: None, at: [None; 3], ..*self }, Needs::ALL);
         }
@@ -82,18 +76,18 @@ impl Modes {
             return (*self, Needs::ALL);
         }
         if block.is_unclear {
-            return (self.forgotten(), Needs::ALL);
+            return (mentions.forget(self), Needs::ALL);
         }
         if block.has_tape_mark || block.has(b"O") {
             let is_first = *self == Self::START;
             let needs = if block.has_tape_mark { Needs::END } else { Needs::ALL };
-            return (if is_first { *self } else { self.forgotten() }, needs);
+            return (if is_first { *self } else { mentions.forget(self) }, needs);
         }
-        let (next, needs) = self.understood(block, dialect);
+        let (next, needs) = self.understood(block, dialect, mentions);
         if block.is_optional { (self.common_with(&next), Needs::ALL) } else { (next, needs) }
     }
 
-    fn understood(&self, block: &Block, dialect: &Dialect) -> (Self, Needs) {
+    fn understood(&self, block: &Block, dialect: &Dialect, mentions: &Mentions) -> (Self, Needs) {
         let mut reading = OpenBlock {
             modes: *self,
             needs: Needs::default(),
@@ -101,6 +95,7 @@ impl Modes {
             loses_place: false,
             is_unknown: false,
             leaves: false,
+            ends: false,
         };
         block.g.all().iter().for_each(|&code| reading.take(effect(code)));
         block.m.all().iter().for_each(|&code| reading.function(function(code)));
@@ -112,8 +107,8 @@ impl Modes {
             reading.modes.feed = Some(Feed::of(feed, dialect)).filter(|_| !block.g.has(DWELL));
         }
         reading.go(block, dialect);
-        if reading.leaves {
-            reading.modes = reading.modes.forgotten();
+        if reading.leaves || reading.ends {
+            reading.modes = mentions.forget(&reading.modes);
         }
         (reading.modes, reading.needs)
     }
@@ -160,6 +155,8 @@ struct OpenBlock {
     is_unknown: bool,
     /// Another program runs, or has run at blocks before this one.
     leaves: bool,
+    /// The program ends.
+    ends: bool,
 }
 
 impl OpenBlock {
@@ -173,7 +170,11 @@ impl OpenBlock {
                 self.modes.at = [None; 3];
                 self.modes.feed = None;
             }
-            Effect::FeedMode(_) if self.modes.feed_mode != before.feed_mode => self.modes.feed = None,
+            Effect::FeedMode(_) if self.modes.feed_mode != before.feed_mode => {
+                self.modes.feed = None;
+                // A G1 that comes later would need a feed of the other kind.
+                self.needs.motion = MotionNeed::Mode;
+            }
             Effect::Begins(modifier, place) | Effect::Ends(modifier, place) => {
                 self.leaves |= modifier == Modifier::ModalMacro;
                 self.needs.plane = true;
@@ -199,7 +200,7 @@ impl OpenBlock {
             Function::ToolChange => self.place(PositionEffect::Shifted),
             Function::Ends => {
                 self.needs = Needs::END;
-                self.modes = self.modes.forgotten();
+                self.ends = true;
             }
             Function::Leaves => (self.is_unknown, self.leaves) = (true, true),
             Function::Restores => {

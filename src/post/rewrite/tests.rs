@@ -110,7 +110,7 @@ fn a_mode_that_a_line_relies_on_is_set_again() {
     assert_eq!(&behind("G19\nG2 Y5 Z5 J5 K0\n")[1..], ["G19", "G2 Y5 Z5 J5 K0"]);
     assert_eq!(&behind("G2 X5 Y5 I5 J0\n")[1..], ["G17", "G2 X5 Y5 I5 J0"]);
     assert_eq!(&behind("M30\n")[1..], ["G17", "M30"]);
-    assert_eq!(&behind("M99\n")[1..], ["G17 G1", "M99"]);
+    assert_eq!(&behind("M30\nM99\n")[1..], ["G17", "M30", "M99"]);
     assert_eq!(&behind("G41 D1 X5\n")[1..], ["G17", "G1 G41 D1 X5"]);
     assert_eq!(&behind("G53 Z0\n")[1..], ["G1 G53 Z0"]);
     assert_eq!(&behind("G28 Z0\nG0 Z5\n")[1..], ["G28 Z0", "G0 Z5"]);

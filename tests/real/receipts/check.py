@@ -16,7 +16,8 @@ What is checked:
    a bound and not prove it. For other surfaces, and for programs with words that this checker does not read, it says
    that the bounds were not checked.
 
-The exit code is 0 where the receipt holds, 1 where it is rejected, 3 where it holds as far as it was checked.
+Distances from clamps and from the holder, the travel, and what becomes of the stock are not proved anew. The exit code
+is 0 where the receipt holds, 1 where it is rejected, 3 where it holds as far as it was checked.
 """
 import base64
 import hashlib
@@ -24,6 +25,21 @@ import json
 import math
 import re
 import sys
+
+
+def no_number(text):
+    raise Rejected(f"{text} is no number of JSON")
+
+
+def once(members):
+    """The members of an object, none of which may stand twice."""
+    if len(dict(members)) < len(members):
+        raise Rejected("a member stands twice")
+    return dict(members)
+
+
+def read_json(text):
+    return json.loads(text, parse_constant=no_number, object_pairs_hook=once)
 
 
 class Rejected(Exception):
@@ -92,7 +108,7 @@ def check_digests(receipt, program, part):
     if receipt.get("digest") != digest(content):
         raise Rejected("the receipt was altered: its digest does not fit its content")
     is_text = "program" in receipt["premises"]
-    own = {"program": digest(program if is_text else json.loads(program))}
+    own = {"program": digest(program if is_text else read_json(program))}
     for name, members in DIGESTED.items():
         own[name] = digest({member: part[member] for member in members if member in part})
     if set(receipt["digests"]) != set(own):
@@ -161,6 +177,8 @@ def check_signature(receipt, key):
     text = f"toolpathd receipt 1\n{receipt['digest']}".encode()
     first, second = value[:32], int.from_bytes(value[32:], "little")
     challenge = int.from_bytes(hashlib.sha512(first + public + text).digest(), "little") % ORDER
+    if times(8, point(public)) == (0, 1):
+        raise Rejected("the key is no key: anything would be signed by it")
     base = point((4 * pow(5, -1, PRIME) % PRIME).to_bytes(32, "little"))
     if second >= ORDER or times(second, base) != plus(point(first), times(challenge, point(public))):
         raise Rejected("the signature does not fit the receipt")
@@ -168,14 +186,29 @@ def check_signature(receipt, key):
 
 # ---------------------------------------------------------------- what has to go together
 
+def check_premises(receipt, part):
+    """Whether the request asked for what the receipt was made with."""
+    premises = receipt["premises"]
+    stated = premises | (premises.get("program") or {})
+    names = ["tolerance_mm", "control_tolerance_mm", "clearance_mm", "allowed_excess_mm", "cell_mm", "rapids"]
+    names += ["dialect", "units", "without_point", "start", "block_delete", "compensation"]
+    for name in names:
+        if part.get(name) is not None and part[name] != stated.get(name):
+            raise Rejected(f"the request has another {name} than the receipt")
+
+
 def check_figures(receipt):
     if receipt.get("schema") != "toolpathd-receipt-1":
         raise Rejected("this is no receipt, or one of another form")
+    moves, bounds, premises = receipt["moves"], receipt["bounds"], receipt["premises"]
+    figures = [premises[name] for name in ("control_tolerance_mm", "arcs_moved_mm", "clearance_mm", "tolerance_mm")]
+    figures += [own["gouge_mm"] for own in moves] + [count["count"] for count in receipt["counts"]]
+    if not all(isinstance(own, (int, float)) and 0 <= own < 1e9 for own in figures):
+        raise Rejected("a figure is no number, or below zero")
     certainties = {count["certainty"] for count in receipt["counts"] if count["count"] > 0}
     verdict = "fail" if "certain" in certainties else "undecided" if "possible" in certainties else "pass"
     if receipt["verdict"] != verdict:
         raise Rejected(f"the findings come to {verdict}, and the verdict is {receipt['verdict']}")
-    moves, bounds, premises = receipt["moves"], receipt["bounds"], receipt["premises"]
     for own in moves:
         if own.get("found_mm", 0) > own["gouge_mm"]:
             raise Rejected(f"a depth was found beyond its bound: {own}")
@@ -199,12 +232,14 @@ def moves_of_text(text, premises):
     factor = 25.4 if premises["units"] == "inch" else 1.0
     at, code, axes, relative = list(premises.get("start") or [None] * 3), None, (0, 1), False
     ways = []
-    for line, row in enumerate(text.splitlines(), 1):
+    for line, row in enumerate(re.split("\r\n|\r|\n", text), 1):
         row = re.sub(r"\([^)]*\)|;.*", "", row).strip().upper()
         if row in ("", "%"):
             continue
         words = {}
         for letter, number in WORD.findall(row):
+            if not re.search("[0-9]", number):
+                raise Unread(f"line {line}: {letter} has no number")
             if letter == "G":
                 words.setdefault("G", []).append(float(number))
             elif letter in words:
@@ -239,8 +274,12 @@ def moves_of_text(text, premises):
                 continue
             elif letter != "G" and letter not in LEFT_ALONE:
                 raise Unread(f"line {line}: {letter}")
+        if 4 in words.get("G", []):
+            continue
         named = [k for k, letter in enumerate("XYZ") if letter in length]
         if home:
+            if not relative or any(length["XYZ"[k]] != 0 for k in named):
+                raise Unread(f"line {line}: the way home leads over another place")
             for k in named:
                 at[k] = None
             continue
@@ -253,6 +292,8 @@ def moves_of_text(text, premises):
         if code is None:
             raise Unread(f"line {line}: no motion is in force")
         if None not in at and None not in to:
+            if code < 2 and at == to:
+                continue
             if code > 1:
                 ways.append((line, [arc(at, to, code, axes, length)]))
             elif code == 0 and premises["rapids"] == "dog_leg":
@@ -463,25 +504,32 @@ def check_moves(receipt, program, part):
             check_bound(stated[line], move, tools[0], solid, slack, premises["tolerance_mm"] / 4)
     if not solid.proves:
         raise Unread("the bounds of the surface were not refuted at places close to each other")
+    if any(part.get(name) for name in ("fixtures", "travel", "stock")) or tools[0].get("holder"):
+        raise Unread("the moves hold; clamps, travel, stock and holder are not proved anew")
 
 
 def check(receipt, program, part, key=None):
     """Raises `Rejected` where the receipt does not hold, `Unread` where it holds as far as it can be checked."""
-    receipt = receipt.get("receipt", receipt)
     try:
+        receipt = receipt.get("receipt", receipt)
         check_digests(receipt, program, part)
         check_signature(receipt, key)
         check_figures(receipt)
+        check_premises(receipt, part)
         check_moves(receipt, program, part)
-    except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError, RecursionError, OverflowError) as error:
         raise Rejected(f"the receipt has not the form of one: {error!r}") from None
 
 
 def main(receipt, program, part, key=None):
-    with open(receipt) as one, open(program, "rb") as other, open(part) as third:
-        receipt, program, part = json.load(one), other.read(), json.load(third)
     try:
-        check(receipt, program, part, key)
+        with open(receipt, encoding="utf-8-sig") as one, open(part, encoding="utf-8-sig") as third:
+            receipt, part = read_json(one.read()), read_json(third.read())
+        with open(program, "rb") as other:
+            check(receipt, other.read(), part, key)
+    except (OSError, ValueError, RecursionError) as error:
+        print(f"not read: {error}")
+        return 1
     except Rejected as reason:
         print(f"rejected: {reason}")
         return 1

@@ -107,3 +107,32 @@ fn a_late_jump_to_a_label_whose_modes_were_taken_as_known_is_an_error() {
         assert_eq!(matches!(taken, Err(RewriteError::LateJump { limit: SCANNED, .. })), is_told, "{late}");
     }
 }
+
+/// Modes that a line of expressions or another part of the text may have set allow no run.
+#[test]
+fn a_mode_that_may_have_changed_unseen_keeps_the_blocks() {
+    let arc = arc(['X', 'Y', 'Z'], 60, 1.0, 0.0);
+    let n_arcs = |before: &str, behind: &str| {
+        let text = format!("{before}G90 G17 G1 X20 Y0 Z0 F100\n{arc}{behind}");
+        rewritten(&text).lines().filter(|line| line.contains("G2 ") || line.contains("G3 ")).count()
+    };
+    assert_eq!(n_arcs("G21 G0 X#1\n", "M30\n"), 1);
+    for unseen in
+        ["G20 G0 X#1\n", "G66 P9100 R#1\n", "G90.1 X#1\n", "G51 X0 I#1\n", "G41 D#101\n", "G93 F#3\n"]
+    {
+        assert_eq!(n_arcs(unseen, "M30\n"), 0, "{unseen}");
+    }
+    // A subprogram of LinuxCNC stands above the line that changes the units.
+    assert_eq!(n_arcs("o100 sub\n", "o100 endsub\nG20\no100 call\nM2\n"), 0);
+    // A text that ends as a subprogram may be called under G91.
+    let called = format!("O1000\nG1 X20 Y0 Z0 F100\n{arc}M99\n");
+    assert!(!rewritten(&called).contains("G3 "));
+}
+
+#[test]
+fn a_feed_of_another_kind_behind_an_arc_is_no_fault() {
+    let arc = arc(['X', 'Y', 'Z'], 60, 1.0, 0.0);
+    let text = format!("G21 G90 G94 G17 G1 X20 Y0 Z0 F100\n{arc}G93\n#1=5\nG1 X0 F2\nM30\n");
+    let lines = rewritten(&text);
+    assert!(lines.contains("G1\nG93\n"), "{lines}");
+}

@@ -34,9 +34,8 @@ fn code(fault: &Fault) -> FieldCode {
     use Fault::*;
     match fault {
         NotRead | OtherAxis | Compensation | UnknownRadius | AtMachine | NoPoint | TiltedArc
-        | UnsureParameter(_) | CornerBetweenSides | ChangesTool(_) | UnsureFeed | IncrementOfNewZero => {
-            FieldCode::Unsupported
-        }
+        | TiltedCycle | UnsureParameter(_) | CornerBetweenSides | ChangesTool(_) | UnsureFeed
+        | IncrementOfNewZero => FieldCode::Unsupported,
         NoWord | NoNumber | OpenComment | BadExpression | TooDeep => FieldCode::Syntax,
         NoFeed | NoInverseTime | NoSpindleSpeed => FieldCode::FeedRequired,
         Arc(_) | SmallRadius { .. } | ClosedRadius | NoCenter | Ellipse | NoTangent | NoPole => {

@@ -56,7 +56,7 @@ mod text;
 
 use self::arrivals::Arrivals;
 use self::block::{Block, MAX_RUN_BLOCK_LENGTH};
-pub use self::figures::{Figures, LeftAlone, RewriteError};
+pub use self::figures::{Figures, LeftAlone, RewriteError, RewriteJob};
 use self::labels::{Jumps, Labels};
 pub use self::lines::MAX_LINE_LENGTH;
 use self::lines::{Cutter, line_end, whole};
@@ -65,10 +65,8 @@ use self::modes::{Modes, Needs};
 use self::run::{OpenRun, Style};
 use self::stretches::Fitting;
 use self::text::{Output, Tally, Writer, push_with_g1};
-use super::dialect::Dialect;
 use super::nc::{Distance, Motion};
 use toolpathd_core::budget::{Budget, Stopped};
-use toolpathd_core::geometry::arc_fit::{Fit, Joints, Measure};
 
 /// Blocks of a run that are fitted at once. Of each window, the curves that end in its first three quarters
 /// are written. The next window begins where these curves end. A larger window needs more memory and time; a
@@ -83,16 +81,6 @@ const MIN_BLOCKS: usize = 3;
 
 /// Lines between two checks of the budget.
 const LINES_BETWEEN_CHECKS: u64 = 1024;
-
-/// How a program is rewritten.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RewriteJob {
-    pub dialect: &'static Dialect,
-    /// The rewriter sets three fields itself: it measures the polyline, puts joints on the points, and takes
-    /// the path to be open. Tangent continuity, if asked for, ends at windows, at kept blocks, and where a
-    /// curve was fitted again because rounding had moved it too far.
-    pub fit: Fit,
-}
 
 /// Rewrites one program. After an error the rewriter cannot go on.
 #[derive(Debug)]
@@ -126,16 +114,8 @@ pub struct Rewriter {
 
 impl Rewriter {
     pub fn new(job: RewriteJob) -> Self {
-        let largest_radius_mm = job.fit.largest_radius_mm.min(job.dialect.curves.largest_radius_mm);
-        let fit = Fit {
-            joints: Joints::OnPoints,
-            measure: Measure::Polyline,
-            is_closed: false,
-            largest_radius_mm,
-            ..job.fit
-        };
         Self {
-            job: RewriteJob { fit, ..job },
+            job: job.with_own_fit(),
             modes: Modes::START,
             output: Output::default(),
             run: OpenRun::default(),

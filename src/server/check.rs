@@ -290,7 +290,7 @@ mod tests {
             assert_eq!(reasons(&receipt, &program, body), [""; 0]);
             let mut pointers = Vec::new();
             leaves("", &Value::Object(receipt.clone()), &mut pointers);
-            assert!(pointers.len() > 40);
+            assert!(pointers.len() > 30);
             for pointer in pointers {
                 let mut value = Value::Object(receipt.clone());
                 let leaf = value.pointer_mut(&pointer).unwrap();
@@ -301,7 +301,8 @@ mod tests {
                 };
                 let Value::Object(altered) = value else { unreachable!() };
                 let told = reasons(&altered, &program, body);
-                assert!(told.iter().any(|reason| reason.contains("altered")), "{pointer}: {told:?}");
+                let is_told = |reason: &String| reason.contains("altered") || reason.contains("no receipt");
+                assert!(told.iter().any(is_told), "{pointer}: {told:?}");
                 // On another premise the same may be proved.
                 let is_premise = pointer.starts_with("/premises/");
                 let is_free = ["/digest", "/engine_version"].contains(&pointer.as_str());

@@ -1,8 +1,34 @@
-//! What changed in a program, and why a program is not rewritten to its end.
+//! How a program is rewritten, what changed in it, and why a program is not rewritten to its end.
 
 use super::block::Block;
 use super::lines::{MAX_LINE_LENGTH, TooLong};
+use crate::dialect::Dialect;
 use toolpathd_core::budget::Stopped;
+use toolpathd_core::geometry::arc_fit::{Fit, Joints, Measure};
+
+/// How a program is rewritten.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RewriteJob {
+    pub dialect: &'static Dialect,
+    /// The rewriter sets three fields itself: it measures the polyline, puts joints on the points, and takes
+    /// the path to be open. Tangent continuity, if asked for, ends at windows, at kept blocks, and where a
+    /// curve was fitted again because rounding had moved it too far.
+    pub fit: Fit,
+}
+
+impl RewriteJob {
+    /// The same job, with the fields of the fit that the rewriter sets itself.
+    pub(super) fn with_own_fit(self) -> Self {
+        let fit = Fit {
+            joints: Joints::OnPoints,
+            measure: Measure::Polyline,
+            is_closed: false,
+            largest_radius_mm: self.fit.largest_radius_mm.min(self.dialect.curves.largest_radius_mm),
+            ..self.fit
+        };
+        Self { fit, ..self }
+    }
+}
 
 /// What changed in an NC program.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

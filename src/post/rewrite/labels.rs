@@ -1,8 +1,8 @@
 //! The blocks to which a program may jump.
 //!
 //! # Method
-//! GOTO, M96 P, M97 P, M98 Q, M99 P, and P and Q of G70 to G76 name blocks by their numbers. A jump to a computed
-//! number may lead to every numbered block.
+//! GOTO, M96 P, M97 P, M98 Q, M99 P, and P and Q of G70 to G76 name blocks by their numbers. A jump to a
+//! computed number may lead to every numbered block.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;

@@ -1,12 +1,11 @@
 //! The modes that a text sets anywhere, also in lines that are not understood.
 //!
-//! Where a part of the program may have run that was not followed, a mode that no line of the text sets in another
-//! way is still in force.
+//! Where a part of the program may have run that was not followed, a mode that no line of the text sets in
+//! another way is still in force.
 
 use super::block::Block;
 use super::lines::{line_end, split};
-use super::modes::Modes;
-use crate::nc::{Effect, effect};
+use crate::nc::{Effect, Modal, effect};
 
 /// The end of a subprogram, in tenths.
 const RETURN: i32 = 990;
@@ -77,22 +76,22 @@ impl Mentions {
 
     /// The modes in which the text starts: those of a program that starts, or what is known where another
     /// program calls it.
-    pub fn start(&self) -> Modes {
-        if self.is_subprogram { self.forget(&Modes::START) } else { Modes::START }
+    pub fn start<P: Copy + PartialEq, F: Copy + PartialEq>(&self) -> Modal<P, F> {
+        if self.is_subprogram { self.forget(&Modal::START) } else { Modal::START }
     }
 
     /// The modes that are still known after another part of the program, or another program, has run. Motion,
     /// plane, distance mode, feed and position are unknown. Units, centre mode, feed mode and modifiers are
     /// taken to be as before unless the text sets others.
-    pub fn forget(&self, modes: &Modes) -> Modes {
-        let kept = Modes { distance: None, plane: None, motion: None, feed: None, at: [None; 3], ..*modes };
+    pub fn forget<P: Copy + PartialEq, F: Copy + PartialEq>(&self, modes: &Modal<P, F>) -> Modal<P, F> {
+        let kept = Modal { distance: None, plane: None, motion: None, feed: None, at: [None; 3], ..*modes };
         if self.is_any {
-            return Modes { modifiers: u16::MAX, ..Modes::UNKNOWN };
+            return Modal { modifiers: u16::MAX, ..Modal::UNKNOWN };
         }
         self.effects.iter().fold(kept, |kept, effect| {
             let mut other = kept;
             other.apply(*effect);
-            Modes { motion: None, ..kept.common_with(&other) }
+            Modal { motion: None, ..kept.common_with(&other) }
         })
     }
 }
@@ -103,8 +102,8 @@ mod tests {
     use crate::nc::Modifier;
     use toolpathd_core::toolpath::program::Units;
 
-    fn forgotten(text: &str) -> Modes {
-        Mentions::find(text.as_bytes()).forget(&Modes::START)
+    fn forgotten(text: &str) -> Modal<i64, i64> {
+        Mentions::find(text.as_bytes()).forget(&Modal::START)
     }
 
     #[test]

@@ -1,9 +1,10 @@
 use std::fmt::Write;
 
 use super::*;
+use crate::dialect::Dialect;
 use crate::dialects::fanuc::FANUC;
 use crate::dialects::linuxcnc::LINUXCNC;
-use toolpathd_core::geometry::arc_fit::Method;
+use toolpathd_core::geometry::arc_fit::{Fit, Method};
 
 mod accepted;
 mod comments;

@@ -4,8 +4,9 @@ mod receipt;
 mod report;
 mod solid;
 mod tool;
+mod travel;
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
@@ -31,6 +32,7 @@ pub use tool::{NumberedTool, VerifiedTool};
 use toolpathd_core::operations::verification as core;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::program::Units;
+pub use travel::{Rapids, Travel};
 
 /// The most fixtures.
 const MOST_FIXTURES: usize = 200;
@@ -146,27 +148,6 @@ schema_of!(VerifiedTools of VerifiedTool, "Tools, each with another number.", {
 schema_of!(Fixtures of Solid, "Clamps, vices and stops.", { array_of(reference::<Solid>(), 0, MOST_FIXTURES) });
 
 schema_of!(WorkZeros of WorkZero, "Zeros of work offsets.", { array_of(reference::<WorkZero>(), 0, 100) });
-
-/// The box in which the tip may move.
-#[derive(Debug, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-#[schema(as = TipTravel)]
-pub struct Travel {
-    /// The least coordinates, in mm.
-    min: Point,
-    /// The largest coordinates, in mm.
-    max: Point,
-}
-
-/// How a control runs a rapid along several axes: along a straight line, or with all axes at the same speed
-/// until each has arrived. With `dog_leg` both ways are verified.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-#[schema(as = RapidWays)]
-pub enum Rapids {
-    Straight,
-    DogLeg,
-}
 
 /// The job of verifying.
 #[derive(Debug)]

@@ -61,8 +61,8 @@ impl Offers for Verdicts {
 /// The answer bounds, over the whole of every move, how deep the cutter enters the part, how deep rapids
 /// enter the stock, how near the tool comes to fixtures, and how near shank and holder come to anything; and
 /// tells what is cut in the air and what is left. The verdict is `pass`, `fail` or `undecided`. Each finding
-/// has its move, its line of the program and its place. With `?receipt=true` the answer holds a receipt, which
-/// `toolpathd check` and small programs of others can check.
+/// has its move, its line of the program and its place. With `?receipt=true` the answer holds a receipt,
+/// which `toolpathd check` and small programs of others can check.
 #[utoipa::path(post, path = "/v1/programs/verify", operation_id = "verifyProgram", tag = "programs",
     params(Wanted<Verdicts>, VerifyQuery), request_body = VerifyRequest,
     responses((status = 200, description = "The verdict with its figures, or a picture.", body = VerifyAnswer)))]

@@ -9,7 +9,7 @@
 //!    first.
 //! 2. Send the next line if it fits beside the lines that are not answered. A line that writes to the EEPROM
 //!    travels alone, because GRBL loses characters while it writes.
-//! 3. Where GRBL answers no line for [`WAITING`], ask for the status. While GRBL moves, dwells, or waits for
+//! 3. Where GRBL answers no line for a second, ask for the status. While GRBL moves, dwells, or waits for
 //!    its operator (M0, feed hold, open door), wait as long as that lasts.
 //! 4. On `error:N`, `ALARM:N`, silence or cancel: stop sending, hold the feed (`!`), ask for the status until
 //!    the machine is at rest, then reset (0x18). The reset empties the buffers, so no line after a faulty one

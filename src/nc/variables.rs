@@ -26,7 +26,10 @@ struct Locals {
 
 impl Variables {
     pub fn new(language: Language) -> Self {
-        Self { language, globals: HashMap::new(), named: HashMap::new(), calls: vec![Locals::default()] }
+        // What the last call has returned: nothing yet.
+        let returned = ["_value", "_value_returned"].map(|name| (name.to_owned(), 0.0));
+        let named = if language == Language::LinuxCnc { returned.into() } else { HashMap::new() };
+        Self { language, globals: HashMap::new(), named, calls: vec![Locals::default()] }
     }
 
     /// The number of the last local variable.

@@ -191,7 +191,7 @@ impl<'a> Mill<'a, '_> {
             Plane::Yz => 3.0,
         };
         let values = Values { arguments, unit: self.machine.unit_mm(), plane };
-        let Holes { mut places, is_ordered } = match values.holes(name) {
+        let Holes { mut places, mut is_ordered } = match values.holes(name) {
             Ok(holes) => holes,
             Err(wrong) => {
                 self.refuse(line, span, Fault::CycleParameter(wrong));
@@ -201,8 +201,13 @@ impl<'a> Mill<'a, '_> {
         if !self.count(line, places.len()) {
             return;
         }
-        if name == "HOLES1" && self.is_nearer_to_last(&places) {
-            places.reverse();
+        if name == "HOLES1" {
+            match self.is_nearer_to_last(&places) {
+                Some(true) => places.reverse(),
+                Some(false) => {}
+                // From which end the control begins is not known.
+                None => is_ordered = places.len() == 1,
+            }
         }
         let [a, b, _] = self.machine.plane.axes();
         for [x, y] in places {
@@ -226,12 +231,12 @@ impl<'a> Mill<'a, '_> {
         }
     }
 
-    /// HOLES1 begins at the end of the row that is nearer.
-    fn is_nearer_to_last(&self, holes: &[[f64; 2]]) -> bool {
+    /// HOLES1 begins at the end of the row that is nearer. `None` where the place of the tool is not known.
+    fn is_nearer_to_last(&self, holes: &[[f64; 2]]) -> Option<bool> {
         let [a, b, _] = self.machine.plane.axes();
         let at = self.in_program();
-        let (Some(x), Some(y)) = (at[a], at[b]) else { return false };
+        let (Some(x), Some(y)) = (at[a], at[b]) else { return None };
         let way = |hole: Option<&[f64; 2]>| hole.map_or(0.0, |[u, v]| (u - x).hypot(v - y));
-        way(holes.last()) < way(holes.first()) - 1e-9
+        Some(way(holes.last()) < way(holes.first()) - 1e-9)
     }
 }

@@ -142,3 +142,9 @@ fn g92_3_brings_back_the_last_shift_of_g92() {
     let twice = format!("{start}G92 X1\nG92.2\nG92 Y2\nG92.3\nG1 X-2\nM2\n");
     assert_eq!(end("linuxcnc", &twice)[0], Some(3.0));
 }
+
+#[test]
+fn before_the_first_call_nothing_is_returned() {
+    let text = "G21 G90 G94 F100 G0 X5 Y0 Z0\nG1 X[3+#<_value>+#<_value_returned>]\nM2\n";
+    assert_eq!(end("linuxcnc", text)[0], Some(3.0));
+}

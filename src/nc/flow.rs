@@ -319,11 +319,7 @@ impl<'a, 'm> Execution<'a, 'm> {
             call.again -= 1;
             self.next = call.start;
             self.loops.truncate(call.n_loops);
-            // Each run has a level of its own.
-            let restores = std::mem::take(&mut call.restores);
-            if let Some(modes) = call.saved.take().filter(|_| restores) {
-                self.machine.restore_modes(line, &modes);
-            }
+            self.end_level(line);
             return;
         }
         let (back, at) = (call.back, call.line);
@@ -334,11 +330,18 @@ impl<'a, 'm> Execution<'a, 'm> {
         }
     }
 
+    /// Ends the level of one run of a call: restores the modes where M73 has asked for it.
+    fn end_level(&mut self, line: Line<'a>) {
+        let Some(call) = self.calls.last_mut() else { return };
+        let restores = std::mem::take(&mut call.restores);
+        if let Some(modes) = call.saved.take().filter(|_| restores) {
+            self.machine.restore_modes(line, &modes);
+        }
+    }
+
     fn end_call(&mut self, line: Line<'a>) {
+        self.end_level(line);
         if let Some(call) = self.calls.pop() {
-            if let Some(modes) = call.saved.filter(|_| call.restores) {
-                self.machine.restore_modes(line, &modes);
-            }
             self.loops.truncate(call.n_loops);
             if call.has_variables {
                 self.variables.leave();

@@ -178,8 +178,8 @@ fn outside_number(word: &str, limit: usize) -> usize {
     word[..limit].trim_end_matches(is_number).len()
 }
 
-/// The words with which comments begin that LinuxCNC obeys (its manual, *G-code overview*, *Comments*). The
-/// interpreter skips blanks, and reads small letters as capitals.
+/// The words with which comments begin that LinuxCNC obeys, in any of its versions. The interpreter skips
+/// blanks, and reads small letters as capitals. A word too many here costs no more than a label.
 const ACTIVE: [&str; 10] =
     ["MSG", "PRINT", "DEBUG", "LOG", "PROBEOPEN", "PROBECLOSE", "PYRUN", "PYRELOAD", "ABORT", "SYSTEM"];
 

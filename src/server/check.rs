@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use crate::config::{Checking, Limits};
-use crate::http::{DIGESTED, RECEIPT_SCHEMA, members_of, receipt_of};
+use crate::http::{DIGESTED, RECEIPT_SCHEMA, receipt_of};
 use crate::receipt::{PublicKey, Unrepeated, digest, digest_of, leave_out_null};
 use toolpathd_core::budget::Budget;
 
@@ -188,6 +188,12 @@ fn request(receipt: &Map<String, Value>, files: &Files<'_>) -> Result<Value, Str
         }
     }
     Ok(Value::Object(request))
+}
+
+/// The named members of an object.
+fn members_of(body: &Map<String, Value>, names: &[&str]) -> Map<String, Value> {
+    let sent = names.iter().filter_map(|name| Some(((*name).to_owned(), body.get(*name)?.clone())));
+    sent.collect()
 }
 
 /// Adds where `stated` differs from `anew`, but for what is no statement on the program.

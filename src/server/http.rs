@@ -34,7 +34,7 @@ use tower_http::cors::CorsLayer;
 
 use answer::{compression, encoded, timing};
 pub use app::App;
-pub use dto::verification::{DIGESTED, SCHEMA as RECEIPT_SCHEMA, members_of};
+pub use dto::verification::{DIGESTED, SCHEMA as RECEIPT_SCHEMA};
 pub use openapi::contract;
 use request::{request_id, retry, trace};
 use service::envelope::Directory;

@@ -27,7 +27,14 @@ pub fn digest(bytes: &[u8]) -> String {
 /// # Errors
 /// When the value cannot be written as JSON.
 pub fn digest_of(value: &impl Serialize) -> Result<String, serde_json::Error> {
-    let mut value = serde_json::to_value(value)?;
+    digest_of_tree(serde_json::to_value(value)?)
+}
+
+/// As [`digest_of`], without a copy of the value.
+///
+/// # Errors
+/// When the value cannot be written as JSON.
+pub fn digest_of_tree(mut value: Value) -> Result<String, serde_json::Error> {
     leave_out_null(&mut value);
     Ok(digest(&serde_json_canonicalizer::to_vec(&value)?))
 }

@@ -9,8 +9,8 @@
 //! distance, and of where they end.
 //!
 //! # Method
-//! 1. Cut the passes into lines and into arcs of at most a quarter turn. Put those of each cutter into a tree
-//!    of boxes.
+//! 1. Cut the passes into lines and into arcs of at most a quarter turn. Build a tree of boxes for the pieces
+//!    of each cutter.
 //! 2. For a part of a patch, find the piece that is nearest to the part's centre. Bound from above the
 //!    distance of every point of the part from the solid that the cutter sweeps along this piece (`bound`).
 //!    For a ball, the squared distance from a line or a circle has Bernstein coefficients. For any cutter,
@@ -147,7 +147,8 @@ impl Left {
     }
 }
 
-/// Bounds what is left on `part` outside all of `swept`: what each of several cutters has swept.
+/// Bounds the material that several cutters together leave on `part`. Each element of `swept` holds the
+/// passes of one cutter.
 ///
 /// # Errors
 /// Only the budget's stop.

@@ -4,8 +4,8 @@
 //! the level of the place. A cutter with its shank sweeps all that lies above what it sweeps. So no place
 //! above a level has more left than the place of the wall at the level.
 //!
-//! A place of a wall is *reached* if a cutter that touches the wall there enters no other wall. What is left
-//! in corners that are narrower than the cutter is no matter of the moves.
+//! A place of a wall is *reached* if a cutter that touches the wall there enters no other wall. Corners that
+//! are narrower than the cutter are not reached, so the material in them does not count.
 //!
 //! # Method
 //! 1. Cut the moves into lines and arcs in plan. Each sweeps, at the level, discs of a radius that its height
@@ -39,7 +39,8 @@ pub use cleared::{Cleared, Slice, Swath, radius_at};
 /// wall a cutter may stand that touches a wall, mm.
 const SNAP_MM: f64 = 1e-4;
 
-/// The most pieces that are looked at. At this limit the bound may exceed what is found by more than the gap.
+/// The most pieces that the search examines. A search that ends at this limit returns a true bound, which may
+/// exceed the largest distance found by more than the gap.
 const MOST_PIECES: usize = 400_000;
 
 /// Pieces between two checks of the budget.
@@ -51,7 +52,7 @@ const MOST_TURN: f64 = 1.0;
 /// Walls that are longer than this multiple of the cutter's radius are cut before the search.
 const LONGEST: f64 = 8.0;
 
-/// What is left at walls at most.
+/// The thickest material at the walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thickest {
     /// Proved upper bound, mm; infinite where nothing is swept.
@@ -64,8 +65,8 @@ pub struct Thickest {
     pub nearest: Option<usize>,
 }
 
-/// What is left at reached places of the walls of `region`. A place is reached if a disc of `radius_mm`
-/// touches the wall there and enters no other wall. `None` where no place is reached.
+/// Bounds the thickness of the material at the reached places of the walls of `region`. A place is reached if
+/// a disc of `radius_mm` touches the wall there and enters no other wall. `None` where no place is reached.
 ///
 /// # Errors
 /// Only the budget's stop.
@@ -118,8 +119,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// By how much a bound may exceed what is found, mm: halving does not bring it below what the control may
-    /// leave the path.
+    /// By how much the bound may exceed the largest distance found, mm. One part of the bound is how far the
+    /// control may leave the path, and shorter pieces do not make this part smaller.
     fn gap(&self) -> f64 {
         self.gap_mm + 2.0 * self.cleared.off_mm() + SNAP_MM
     }

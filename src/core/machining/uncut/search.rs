@@ -131,7 +131,7 @@ impl<R: Reach> Search<'_, R> {
         }
     }
 
-    /// What the control may leave the path adds to what is left, mm.
+    /// How much more material may be left because the control leaves the path, mm.
     fn slack(&self) -> f64 {
         self.swept.iter().map(|swept| swept.over_allowance(swept.slack, 0.0)).fold(0.0, f64::max)
     }

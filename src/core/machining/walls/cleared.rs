@@ -54,7 +54,7 @@ pub struct Cleared {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Near {
     track: usize,
-    /// The distance of the place from what is swept along the track, mm; negative inside.
+    /// The distance of the place from the nearest disc of the track, mm; negative inside a disc.
     pub(super) distance_mm: f64,
     /// The number of its move.
     pub(super) number: usize,
@@ -107,8 +107,8 @@ impl Cleared {
         search.best
     }
 
-    /// An upper bound of the distance of every place of a piece from what is swept along a track, mm;
-    /// infinite where none is known.
+    /// An upper bound of the distances of all places of a piece from the nearest disc of a track, mm;
+    /// infinite where no bound is known.
     pub(super) fn farthest(&self, near: Near, piece: &Segment) -> f64 {
         let Track { path, radius, .. } = &self.tracks[near.track];
         let ends = [piece.start(), piece.end()];

@@ -23,9 +23,7 @@ use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
-pub use receipt::{
-    Asked, DIGESTED, Digests, Premises, Receipt, SCHEMA, VerifyMembers, VerifyQuery, members_of,
-};
+pub use receipt::{Asked, DIGESTED, Digests, Premises, Receipt, SCHEMA, VerifyMembers, VerifyQuery};
 pub use report::{Lines, Told, VerifyReport};
 pub use solid::Solid;
 pub use tool::{NumberedTool, VerifiedTool};

@@ -15,7 +15,7 @@ use crate::http::dto::point::Point;
 use crate::http::dto::program_reading::ReadPremises;
 use crate::http::error::{ApiError, Code, FieldCode, FieldError};
 use crate::http::pointer::Pointer;
-use crate::receipt::{SigningKey, digest, digest_of};
+use crate::receipt::{SigningKey, digest, digest_of, digest_of_tree};
 use toolpathd_core::operations::verification::{self as core, Verdict, Worst};
 
 /// The form of receipts that this version writes.
@@ -232,28 +232,19 @@ impl Digests {
     /// When the body is no object of JSON.
     pub fn of(body: &[u8]) -> Result<Self, ApiError> {
         let unread = |error| ApiError::new(Code::InternalError, format!("digesting the body: {error}"));
-        let body: Map<String, Value> = serde_json::from_slice(body).map_err(unread)?;
-        let [part, tools, stock, fixtures, travel] = DIGESTED.map(|(_, names)| members_of(&body, names));
-        let program = match body.get("nc").and_then(Value::as_str) {
-            Some(text) => digest(text.as_bytes()),
-            None => digest_of(&body.get("toolpath")).map_err(unread)?,
+        let mut body: Map<String, Value> = serde_json::from_slice(body).map_err(unread)?;
+        let program = match body.remove("nc") {
+            Some(Value::String(text)) => digest(text.as_bytes()),
+            _ => digest_of_tree(body.remove("toolpath").unwrap_or_default()).map_err(unread)?,
         };
-        let of = |members: Map<String, Value>| digest_of(&members).map_err(unread);
-        Ok(Self {
-            program,
-            part: of(part)?,
-            tools: of(tools)?,
-            stock: of(stock)?,
-            fixtures: of(fixtures)?,
-            travel: of(travel)?,
-        })
+        // The members are taken out, because copies of a large part take much memory.
+        let mut of = |names: &[&str]| {
+            let sent = names.iter().filter_map(|name| body.remove_entry(*name)).collect();
+            digest_of_tree(Value::Object(sent)).map_err(unread)
+        };
+        let [part, tools, stock, fixtures, travel] = DIGESTED.map(|(_, names)| of(names));
+        Ok(Self { program, part: part?, tools: tools?, stock: stock?, fixtures: fixtures?, travel: travel? })
     }
-}
-
-/// The named members of an object.
-pub fn members_of(body: &Map<String, Value>, names: &[&str]) -> Map<String, Value> {
-    let sent = names.iter().filter_map(|name| Some(((*name).to_owned(), body.get(*name)?.clone())));
-    sent.collect()
 }
 
 impl Premises {

@@ -127,9 +127,10 @@ pub struct OwnWorkOffset {
     pub word: String,
 }
 
-/// The first word of the header's own lines that selects a work offset.
+/// The first word of the header's own lines that selects a work offset. Lines that are refused have none.
 pub fn own_work_offset(dialect: &Dialect, custom: &Custom) -> Option<OwnWorkOffset> {
     custom.header.iter().enumerate().find_map(|(index, line)| {
+        check(dialect, CustomPart::Header, line).ok()?;
         let word = read_line(dialect, line).ok()?.0.ok()?.work_offset?;
         Some(OwnWorkOffset { index, word })
     })

@@ -24,7 +24,6 @@ pub mod quantize;
 pub mod rail;
 pub mod tool;
 pub mod tool_axes;
-pub mod tool_body;
 pub mod units;
 
 pub use path::{Builder, Move, Pass, PathError, Role, RotaryPositions, Toolpath};

@@ -3,7 +3,6 @@
 
 mod area;
 mod cases;
-mod clearance;
 mod corruption;
 mod engagement;
 mod grid;

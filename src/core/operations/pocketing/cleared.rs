@@ -6,6 +6,7 @@ use super::job::Emptied;
 use super::part::region;
 use super::rings;
 use crate::budget::Budget;
+use crate::geometry::offset::swept;
 use crate::geometry::region::Region;
 use crate::geometry::segment::Segment;
 
@@ -76,7 +77,8 @@ impl Cleared {
                 }
             }
             let chains: Vec<&[Segment]> = chains.iter().map(Vec::as_slice).collect();
-            all.push(Region::swept(&chains, path.radius_mm, budget)?);
+            let boundary = swept::boundary(&chains, path.radius_mm, budget)?;
+            all.push(Region::on_the_left(&[boundary], budget)?);
         }
         Ok(Region::union(&all.iter().collect::<Vec<_>>(), budget)?)
     }

@@ -24,6 +24,7 @@ pub mod quantize;
 pub mod rail;
 pub mod tool;
 pub mod tool_axes;
+pub mod tool_body;
 pub mod units;
 
 pub use path::{Builder, Move, Pass, PathError, Role, RotaryPositions, Toolpath};

@@ -119,6 +119,23 @@ pub fn refused(dialect: &Dialect, custom: &Custom) -> Vec<Refused> {
     parts.into_iter().flat_map(of_part).collect()
 }
 
+/// A word of the shop's own that selects a work offset at the start of the program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OwnWorkOffset {
+    /// The index of its line in the header.
+    pub index: usize,
+    pub word: String,
+}
+
+/// The first word of the header's own lines that selects a work offset. Lines that are refused have none.
+pub fn own_work_offset(dialect: &Dialect, custom: &Custom) -> Option<OwnWorkOffset> {
+    custom.header.iter().enumerate().find_map(|(index, line)| {
+        check(dialect, CustomPart::Header, line).ok()?;
+        let word = read_line(dialect, line).ok()?.0.ok()?.work_offset?;
+        Some(OwnWorkOffset { index, word })
+    })
+}
+
 fn check(dialect: &Dialect, part: CustomPart, line: &str) -> Result<(), CustomFault> {
     let most = dialect.max_line_length - NUMBER_LENGTH;
     if line.trim().is_empty() {
@@ -130,15 +147,13 @@ fn check(dialect: &Dialect, part: CustomPart, line: &str) -> Result<(), CustomFa
     if let Some(c) = line.chars().find(|c| !(' '..='~').contains(c) || *c == '%') {
         return Err(CustomFault::Character(c));
     }
-    let (checked, form, to_move) = match dialect.syntax {
-        Syntax::Iso(iso) if part == CustomPart::ToolChange && !iso.start.contains(&Frame::ToolChange) => {
-            return Err(CustomFault::NoToolChange);
-        }
-        Syntax::Iso(_) => (check_words(line), ISO_FORM, "add G28, G30 or G53"),
-        Syntax::Siemens(_) => (check_siemens(line), SIEMENS_FORM, "add SUPA"),
-        Syntax::Klartext => (check_klartext(line), KLARTEXT_FORM, "add M91 or M92"),
-        Syntax::Deckel => return Err(CustomFault::NoPlace),
-    };
+    if let Syntax::Iso(iso) = dialect.syntax
+        && part == CustomPart::ToolChange
+        && !iso.start.contains(&Frame::ToolChange)
+    {
+        return Err(CustomFault::NoToolChange);
+    }
+    let (checked, form, to_move) = read_line(dialect, line)?;
     let found = checked.map_err(|fault| match fault {
         Fault::Unreadable(text) => CustomFault::Unreadable { text, form },
         Fault::Is(fault) => fault,
@@ -147,6 +162,18 @@ fn check(dialect: &Dialect, part: CustomPart, line: &str) -> Result<(), CustomFa
         Some(text) if part == CustomPart::ToolChange => Err(CustomFault::WorkOffset(text)),
         _ if found.has_axis && !found.may_move => Err(CustomFault::Moves(to_move)),
         _ => Ok(()),
+    }
+}
+
+/// What the words of a line do, the form of such lines, and what to add to a line that moves.
+type ReadLine = (Result<Found, Fault>, &'static str, &'static str);
+
+fn read_line(dialect: &Dialect, line: &str) -> Result<ReadLine, CustomFault> {
+    match dialect.syntax {
+        Syntax::Iso(_) => Ok((check_words(line), ISO_FORM, "add G28, G30 or G53")),
+        Syntax::Siemens(_) => Ok((check_siemens(line), SIEMENS_FORM, "add SUPA")),
+        Syntax::Klartext => Ok((check_klartext(line), KLARTEXT_FORM, "add M91 or M92")),
+        Syntax::Deckel => Err(CustomFault::NoPlace),
     }
 }
 

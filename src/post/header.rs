@@ -202,18 +202,30 @@ fn written(job: &ProgramJob, unit: &Unit, with_offset: bool) -> String {
 fn tool_text(tool: &Tool, dialect: &Dialect, unit: &Unit) -> String {
     let &Tool { shape, radius_mm, .. } = tool;
     let number = tool.places().0;
-    let (shape, corner) = match shape {
-        Shape::Ball => ("BALL", None),
-        Shape::Flat => ("FLAT", None),
-        Shape::BullNose { corner_radius_mm } => ("BULL NOSE", Some(corner_radius_mm)),
+    let (shape, more) = match shape {
+        Shape::Ball => ("BALL".to_owned(), String::new()),
+        Shape::Flat => ("FLAT".to_owned(), String::new()),
+        Shape::BullNose { corner_radius_mm } => {
+            ("BULL NOSE".to_owned(), format!(" CORNER RADIUS {}", unit.length(corner_radius_mm)))
+        }
+        Shape::V { tip_angle_deg, tip_diameter_mm } => {
+            (format!("V OF {tip_angle_deg} DEG"), format!(" TIP DIAMETER {}", unit.length(tip_diameter_mm)))
+        }
+        Shape::Cone { taper_angle_deg, tip_diameter_mm } => (
+            format!("CONE OF {taper_angle_deg} DEG"),
+            format!(" TIP DIAMETER {}", unit.length(tip_diameter_mm)),
+        ),
+        Shape::Drill { point_angle_deg } => {
+            let point = point_angle_deg.map_or(String::new(), |deg| format!(" OF {deg} DEG"));
+            (format!("DRILL{point}"), String::new())
+        }
     };
-    let corner = corner.map_or(String::new(), |mm| format!(" CORNER RADIUS {}", unit.length(mm)));
     let diameter = unit.length(2.0 * radius_mm);
     let offset = dialect
         .abilities
         .length_offsets
         .map_or(String::new(), |offsets| format!(" {}{}", offsets.letter, dialect.length_offset_of(tool)));
-    format!("T{number}{offset} {shape} DIAMETER {diameter}{corner} {}", unit.name)
+    format!("T{number}{offset} {shape} DIAMETER {diameter}{more} {}", unit.name)
 }
 
 /// The feed of every role in the toolpath, as written; a range where a role has several feeds.

@@ -55,7 +55,7 @@ mod write;
 
 pub use abilities::{Missing, missing};
 pub use coarse::{CoarseFeeds, coarse_feeds};
-pub use custom::{CustomFault, CustomPart, MAX_LINES, Refused, refused};
+pub use custom::{CustomFault, CustomPart, MAX_LINES, OwnWorkOffset, Refused, own_work_offset, refused};
 pub use dialect::{AxisOutput, Dialect};
 pub use dialects::{DIALECTS, dialect};
 pub use header::clock;

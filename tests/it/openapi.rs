@@ -297,7 +297,7 @@ fn the_schema_check_finds_a_body_that_breaks_its_schema() {
         ("/tolerance_mm", (-1).into()),
         ("/surface/kind", "sphere".into()),
         ("/surface/points/0/0", serde_json::json!([1, 2])),
-        ("/tool/shape", "cone".into()),
+        ("/tool/shape", "round".into()),
     ] {
         let mut broken = legal.clone();
         *broken.pointer_mut(pointer).expect("a member") = value;

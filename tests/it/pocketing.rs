@@ -3,6 +3,7 @@
 
 mod area;
 mod cases;
+mod clearance;
 mod corruption;
 mod engagement;
 mod grid;

@@ -6,10 +6,10 @@
 //! 2. For the places on both sides of each edge, the windings are computed (`winding`). The winding of an
 //!    outline about a place is how often the outline turns about the place. Each operation has a rule that
 //!    decides from the windings whether a place is in the result.
-//! 3. The edges that have the result on exactly one side are joined into the outlines of the result
-//!    (`trace`).
+//! 3. The faces between the edges (`orbits`) are inside or outside. The edges that have the result on exactly
+//!    one side are joined into the outlines of the result (`trace`).
 //! 4. For an offset, all outlines are offset first ([`offset`](crate::geometry::offset)). Steps 1 to 3 are
-//!    then done for the chains of the offset.
+//!    then done for the chains of the offset (`grown`).
 //!
 //! # Guarantees
 //! * Outer outlines run counterclockwise and islands clockwise. The outlines of one region do not cross each
@@ -17,8 +17,9 @@
 //! * The boundary of a result lies within a few snaps of the exact boundary. A snap is 1e-6 mm, or up to
 //!   16e-6 mm if outlines run very close to each other for a long way. Parts of a region that are narrower
 //!   than 1e-6 mm are dropped. An empty region is a valid result.
-//! * A region is refused if its outlines run so close to each other that inside and outside cannot be told
-//!   apart, or if it needs more than a million elements.
+//! * Outlines may touch, nearly touch and coincide. If sides of one face contradict each other, the edges are
+//!   cut again, and the snap is made larger. A region is refused only if they still do over more than 1e-3
+//!   mm, or if it needs more than a million elements.
 //!
 //! # Cost
 //! O(n log n + k) for n elements, where k is the number of pairs of elements whose boxes meet. In addition,
@@ -30,6 +31,9 @@
 
 mod arrangement;
 mod contacts;
+mod grown;
+mod narrow;
+mod orbits;
 mod outline;
 mod trace;
 mod winding;
@@ -37,17 +41,20 @@ mod winding;
 use nalgebra::Point2;
 
 use crate::budget::{Budget, Stopped};
+use crate::geometry::offset::OffsetError;
 use crate::geometry::offset::tree::{Bounds, Tree};
-use crate::geometry::offset::{OffsetError, Side, offset};
 use crate::geometry::segment::Segment;
 use arrangement::{Arrangement, ArrangementError, Loop, SNAP_MM};
 pub use outline::{Outline, OutlineError, area};
-use trace::Wedge;
 
-/// Where edges stay as near as the snap for a long way, rounding may put their sides the wrong way round,
-/// and the boundary does not close. The snap is then multiplied by `COARSER`, up to `LARGEST_SNAP_MM`, mm.
-const COARSER: f64 = 4.0;
-const LARGEST_SNAP_MM: f64 = 16.0 * SNAP_MM;
+/// The snaps and the passes of the arrangements that are tried, until one puts every side of its edges where
+/// the rest of the face is, mm. Where edges stay as near as the snap for a long way, snapping may make them
+/// cross; more passes cut them there, and a larger snap makes them one.
+const ATTEMPTS: [(f64, usize); 4] = [(SNAP_MM, 1), (SNAP_MM, 6), (4.0 * SNAP_MM, 6), (16.0 * SNAP_MM, 6)];
+
+/// The longest boundary that may stay on the wrong side if no attempt is free of contradictions, mm. Sides
+/// that contradict their face are no longer than the edges between which they cross.
+const MOST_WRONG_MM: f64 = 1e-3;
 
 /// An outline with the islands in it: a connected part of a region.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,22 +176,6 @@ impl Region {
         Self::of(loops, |[one, other]| one > 0 && other <= 0, budget)
     }
 
-    /// The places of the region that are at least `distance_mm` from its boundary. The result may be empty.
-    ///
-    /// # Errors
-    /// One of [`RegionError`].
-    pub fn offset_inward(&self, distance_mm: f64, budget: &Budget) -> Result<Self, RegionError> {
-        self.offset(Side::Left, distance_mm, budget)
-    }
-
-    /// The places that are in the region or nearer to it than `distance_mm`.
-    ///
-    /// # Errors
-    /// One of [`RegionError`].
-    pub fn offset_outward(&self, distance_mm: f64, budget: &Budget) -> Result<Self, RegionError> {
-        self.offset(Side::Right, distance_mm, budget)
-    }
-
     /// The region with x negated.
     #[must_use]
     pub fn mirrored(&self) -> Self {
@@ -194,6 +185,11 @@ impl Region {
             islands: face.islands.iter().map(mirrored).collect(),
         };
         Self::of_faces(self.faces.iter().map(face).collect())
+    }
+
+    /// The region of parts of a region.
+    pub fn of_parts(parts: &[Self]) -> Self {
+        Self::of_faces(parts.iter().flat_map(|part| part.faces.iter().cloned()).collect())
     }
 
     /// The connected parts.
@@ -297,39 +293,28 @@ impl Region {
         least
     }
 
-    fn offset(&self, side: Side, distance_mm: f64, budget: &Budget) -> Result<Self, RegionError> {
-        // Written so that NaN is refused.
-        if !(distance_mm > 0.0 && distance_mm.is_finite()) {
-            return Err(RegionError::Distance { distance_mm });
-        }
-        let wedge = if side == Side::Left { Wedge::Inside } else { Wedge::Outside };
-        let contours = trace::contours(self.outlines(), wedge, budget)?;
-        let contours: Vec<&[Segment]> = contours.iter().map(Vec::as_slice).collect();
-        let chains = offset(&contours, side, distance_mm, 0.0, budget)?;
-        for chain in &chains {
-            if let (Some(first), Some(last)) = (chain.first(), chain.last())
-                && first.start() != last.end()
-            {
-                return Err(RegionError::Tangled { at: first.start() });
-            }
-        }
-        Self::on_the_left(&chains, budget)
-    }
-
     fn of(
         loops: Vec<Loop>,
         is_inside: impl Fn([i32; 2]) -> bool,
         budget: &Budget,
     ) -> Result<Self, RegionError> {
-        let mut snap_mm = SNAP_MM;
-        let faces = loop {
-            let arrangement = Arrangement::new(&loops, snap_mm, budget)?;
-            match trace::faces(&arrangement, &is_inside, budget) {
-                Err(RegionError::Tangled { .. }) if snap_mm < LARGEST_SNAP_MM => snap_mm *= COARSER,
-                faces => break faces?,
+        let mut best: Option<(f64, Vec<Face>)> = None;
+        let mut doubtful = None;
+        for (snap_mm, passes) in ATTEMPTS {
+            let arrangement = Arrangement::new(&loops, snap_mm, passes, budget)?;
+            let bounded = trace::bounded(&arrangement, &is_inside, budget)?;
+            if bounded.doubt_mm == 0.0 {
+                return Ok(Self::of_faces(bounded.faces(budget)?));
             }
-        };
-        Ok(Self::of_faces(faces))
+            doubtful = doubtful.or(bounded.doubtful);
+            if best.as_ref().is_none_or(|(least, _)| bounded.wrong_mm < *least) {
+                best = Some((bounded.wrong_mm, bounded.faces(budget)?));
+            }
+        }
+        match best {
+            Some((wrong_mm, faces)) if wrong_mm <= MOST_WRONG_MM => Ok(Self::of_faces(faces)),
+            _ => Err(RegionError::Tangled { at: doubtful.unwrap_or_else(Point2::origin) }),
+        }
     }
 
     fn of_faces(faces: Vec<Face>) -> Self {

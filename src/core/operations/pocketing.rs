@@ -3,17 +3,24 @@
 //! # Method
 //! 1. The pocket is divided into levels (`level`). The pocket of a level comes from outlines, from measured
 //!    heights or from a surface (`part`, `labelling`). The cutter's centre may be in the pocket, offset
-//!    inward by the radius.
-//! 2. Each pattern makes chains of lines and arcs (`rings`, `islands`, `rows`, `strips`), or follows what is
-//!    left of the material (`engagement`). The `router` joins the chains: it chooses where loops begin, links
-//!    them, lifts, and comes down into the material (`entry`). It knows the angle of the cutter in the
+//!    inward by the radius and the allowance.
+//! 2. Each pattern clears what is about a stepover inside. It makes chains of lines and arcs (`rings`,
+//!    `islands`, `rows`, `strips`), or follows what is left of the material (`engagement`). Then walls and
+//!    islands are cut with leads (`walls`). The `router` joins the chains: it chooses where loops begin,
+//!    links them, lifts, and comes down into the material (`entry`). It knows the angle of the cutter in the
 //!    material all along ([`engagement`](crate::machining::engagement)). What earlier tools have emptied
 //!    counts as cut before the first move (`cleared`); then only the parts of chains that meet material are
 //!    cut (`pieces`).
 //! 3. Each route is checked for what it leaves, for gouges and for links through material (`check`).
-//! 4. On each level the route with the least time among those that pass the check is taken.
+//! 4. On each level the route with the least time among those that pass the check is taken. The feed goes
+//!    down where the angle of the cutter in the material is large (`feeds`), so such places take their time.
+//! 5. Walls and floor are finished (`finish`).
 //!
 //! # Guarantees
+//! * Where the room is wide enough, only passes along walls and islands and their leads touch these, or come
+//!   nearer to them than the clearance beside the cut.
+//! * At the full feed the cutter is in the material by at most 1.1 times the angle of a straight pass, except
+//!   with the paper's time as the figure.
 //! * The cutter is never nearer to a wall than its radius, except for rounding; `gouge_max_mm` bounds this
 //!   after rounding to the program's decimals. With `labelling` this holds for the walls of the cells, and
 //!   the path may cut into the part.
@@ -42,15 +49,18 @@ mod cleared;
 mod conditions;
 mod crossings;
 mod depth;
+mod doubts;
 mod engagement;
 mod entry;
 mod feeds;
+mod finish;
 mod growth;
 mod islands;
 mod job;
 mod labelling;
 mod leads;
 mod level;
+mod links;
 mod part;
 mod path;
 mod pieces;
@@ -59,6 +69,7 @@ mod rings;
 mod router;
 mod rows;
 mod strips;
+mod walls;
 mod work;
 
 use nalgebra::{Point2, Point3};
@@ -75,11 +86,16 @@ use crate::toolpath::units::rounded_up;
 use candidate::{Route, routes};
 pub use check::{Exception, Invalid};
 use conditions::Conditions;
-pub use job::{ChooseBy, Emptied, EntryLimits, IslandsBy, Job, Milling, Outlines, Pattern, Relief};
+pub use doubts::{Doubt, doubts};
+pub use job::{
+    ChooseBy, Emptied, EntryLimits, Finish, FinishFloor, FinishWalls, IslandsBy, Job, Lead, LeadKind, Load,
+    Milling, Only, Outlines, Pattern, Relief,
+};
 pub use labelling::MOST_CELLS;
 pub use level::{Island, MOST_LEVELS, MOST_RADII, Uncut};
-use level::{Level, Shape, levels};
+use level::{Level, Shape, Stage, levels};
 pub use report::{Candidate, LevelOutlines, LevelReport, Report};
+use router::Run;
 
 /// A planned pocket.
 #[derive(Debug, Clone)]
@@ -89,6 +105,8 @@ pub struct Plan {
     /// Of each level of the report.
     pub outlines: Vec<LevelOutlines>,
     pub cutting: Cutting,
+    /// The height of the stock's top or of the part's highest point, whichever is higher, mm.
+    pub highest_mm: f64,
     pub warnings: Vec<Warning>,
 }
 
@@ -101,6 +119,14 @@ pub enum Warning {
         "the stepover is larger than the cutter's radius: rings lie closer where they would leave material"
     )]
     StepoverNarrowed,
+    #[error(
+        "the tool comes within {kept_mm:.3} mm of a wall or an island beside its cuts, where {asked_mm:.3} mm do not fit"
+    )]
+    NarrowForClearance { kept_mm: f64, asked_mm: f64 },
+    #[error(
+        "patterns are compared by the paper's time: slots are cut at the full feed, unless a feed for slots is given"
+    )]
+    LoadNotBounded,
     #[error("islands by labelling are as coarse as the grid, and the path cuts up to {:.4} mm into the part", rounded_up(*gouge_mm))]
     IslandsByLabelling { gouge_mm: f64 },
 }
@@ -194,6 +220,9 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
         .iter()
         .map(|level| {
             let range = [level.top_z_mm, level.z_mm];
+            let floor = job.finishing_floor().filter(|_| level.stage == Stage::Floor);
+            let job = floor.as_ref().unwrap_or(job);
+            let cutting = Cutting { feed: job.cutting.feed, ..cutting };
             Conditions::new(job, &cutting, heights.highest_mm, range, shapes.len())
         })
         .collect();
@@ -216,17 +245,35 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
         {
             builder = begin(run.start);
         }
-        append_level(&mut builder, k, route, conditions)?;
+        append_level(&mut builder, k, &route.runs, conditions)?;
+    }
+    let finished = match job.finishing_walls() {
+        Some(finish) => finish::walls(job, finish, &shapes, &levels, &heights, &cutting, budget)?,
+        None => Vec::new(),
+    };
+    for finished in &finished {
+        for (runs, conditions) in &finished.passes {
+            if let Some(run) = runs.first()
+                && !std::mem::replace(&mut is_begun, true)
+            {
+                builder = begin(run.start);
+            }
+            append_level(&mut builder, finished.level, runs, conditions)?;
+        }
     }
     if !is_begun {
         return Err(PocketError::NothingToCut);
     }
     builder.rapid_to_height(cutting.clearance_z_mm)?;
     let toolpath = builder.finish()?;
+    report.finish_with(&finished, job);
     report.finish(&toolpath, &shapes, &levels, &heights, job, &cutting)?;
     let warnings = warnings(job, &report);
-    Ok(Plan { toolpath, report, outlines, cutting, warnings })
+    Ok(Plan { toolpath, report, outlines, cutting, highest_mm: heights.highest_mm, warnings })
 }
+
+/// A distance from walls that is less than asked for by no more is rounding, mm.
+const SIDE_ACCURACY_MM: f64 = 1e-5;
 
 /// The routes of one pattern, or why it has none.
 type Found = (Pattern, Result<Vec<Route>, PocketError>);
@@ -247,7 +294,8 @@ fn routes_of_shapes(
         let (shape, pattern) = (k / patterns.len(), patterns[k % patterns.len()]);
         // The conditions of the shape's first level do for all its levels: lifts take about as long on each.
         let level = levels.iter().position(|level| level.shape == shape).ok_or(Stopped::Cancelled)?;
-        if shapes[shape].centers.is_empty() {
+        let is_cut = job.only != Some(Only::Finishing) || levels[level].stage == Stage::Floor;
+        if !is_cut || shapes[shape].room.centers.is_empty() {
             return Ok((pattern, Ok(Vec::new())));
         }
         match routes(pattern, &shapes[shape], &conditions[level], budget) {
@@ -319,10 +367,10 @@ fn choose<'a>(
 fn append_level(
     builder: &mut Builder,
     k: usize,
-    route: &Route,
+    runs: &[Run],
     conditions: &Conditions,
 ) -> Result<(), PathError> {
-    path::append(builder, u32::try_from(k).unwrap_or(u32::MAX), &route.runs, conditions)
+    path::append(builder, u32::try_from(k).unwrap_or(u32::MAX), runs, conditions)
 }
 
 fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
@@ -333,6 +381,13 @@ fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
     }
     if job.stepover_mm > job.tool.radius_mm {
         warnings.push(Warning::StepoverNarrowed);
+    }
+    if job.load() == Load::Paper {
+        warnings.push(Warning::LoadNotBounded);
+    }
+    let asked_mm = job.side_mm();
+    if let Some(kept_mm) = report.clearance_side_mm.filter(|kept| *kept < asked_mm - SIDE_ACCURACY_MM) {
+        warnings.push(Warning::NarrowForClearance { kept_mm, asked_mm });
     }
     if job.relief.is_some() && matches!(job.islands_by, IslandsBy::Labelling { .. }) {
         warnings.push(Warning::IslandsByLabelling { gouge_mm: report.gouge_max_mm });

@@ -308,6 +308,20 @@ pub fn blank(job: &Job, budget: &Budget) -> Result<Option<Blank>, Error> {
     }
 }
 
+/// The highest place of the part with its allowance and its stock, mm.
+///
+/// # Errors
+/// When the data make no surface, and the budget's stop.
+pub fn highest_mm(job: &Job, budget: &Budget) -> Result<f64, Error> {
+    let (up, accuracy_mm) = (Vector3::z(), job.resolution.step_mm());
+    let surface_mm = match job.surface.surface()? {
+        AnySurface::Bicubic(surface) => surface.farthest_along(&up, accuracy_mm, budget),
+        AnySurface::Rational(surface) => surface.farthest_along(&up, accuracy_mm, budget),
+        AnySurface::HighDegree(surface) => surface.farthest_along(&up, accuracy_mm, budget),
+    }?;
+    Ok(job.top(surface_mm))
+}
+
 fn blank_of<P: Patch>(
     surface: &BezierSurface<P>,
     job: &Job,

@@ -12,6 +12,12 @@ pub enum Shape {
     Flat,
     /// A flat end whose edge is rounded: a quarter of a torus.
     BullNose { corner_radius_mm: f64 },
+    /// A cone with this angle between opposite sides, degrees, and a flat of this diameter at its tip.
+    V { tip_angle_deg: f64, tip_diameter_mm: f64 },
+    /// A cone with this angle between a side and the axis, degrees, and a flat of this diameter at its tip.
+    Cone { taper_angle_deg: f64, tip_diameter_mm: f64 },
+    /// A drill with this angle between opposite edges of its point, degrees, if one was given.
+    Drill { point_angle_deg: Option<f64> },
 }
 
 /// A cutter and its places in the control's tables.
@@ -30,11 +36,13 @@ pub struct Tool {
 pub const DEFAULT_NUMBER: u32 = 1;
 
 impl Tool {
-    /// Its geometry.
+    /// Its geometry; for a pointed shape, that of the flat end around it.
     pub fn cutter(&self) -> Cutter {
         match self.shape {
             Shape::Ball => Cutter::ball(self.radius_mm),
-            Shape::Flat => Cutter::bull_nose(self.radius_mm, 0.0),
+            Shape::Flat | Shape::V { .. } | Shape::Cone { .. } | Shape::Drill { .. } => {
+                Cutter::bull_nose(self.radius_mm, 0.0)
+            }
             Shape::BullNose { corner_radius_mm } => Cutter::bull_nose(self.radius_mm, corner_radius_mm),
         }
     }
@@ -44,7 +52,7 @@ impl Tool {
     pub fn swing_mm(&self) -> f64 {
         let corner_mm = match self.shape {
             Shape::Ball => self.radius_mm,
-            Shape::Flat => 0.0,
+            Shape::Flat | Shape::V { .. } | Shape::Cone { .. } | Shape::Drill { .. } => 0.0,
             Shape::BullNose { corner_radius_mm } => corner_radius_mm,
         };
         corner_mm.hypot(self.radius_mm - corner_mm)

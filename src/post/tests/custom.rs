@@ -1,7 +1,7 @@
 //! A shop's own lines in programs.
 
 use super::*;
-use crate::custom::{CustomFault, Refused, refused};
+use crate::custom::{CustomFault, Refused, own_work_offset, refused};
 use crate::dialects::{grbl::GRBL, heidenhain::HEIDENHAIN, siemens::SIEMENS};
 use toolpathd_core::toolpath::program::Custom;
 
@@ -203,6 +203,21 @@ fn only_lines_before_the_work_offset_may_select_another() {
             panic!("{} {line}: {error}", dialect.name)
         };
         assert!(error.to_string().starts_with("line 1 of the tool change is refused"), "{error}");
+    }
+}
+
+#[test]
+fn a_work_offset_is_found_only_in_lines_that_are_not_refused() {
+    let found = |dialect: &Dialect, header: &[&str]| {
+        own_work_offset(dialect, &Custom { header: lines(header), ..Custom::default() })
+            .map(|own| (own.index, own.word))
+    };
+    assert_eq!(found(&FANUC, &["G90", "G54"]), Some((1, "G54".to_owned())));
+    for dialect in [&FANUC, &SIEMENS, &HEIDENHAIN] {
+        // Letters of several bytes, alone and beside words.
+        for line in ["\u{e4}G54", "G54 \u{10887}", "\u{b5}", "(\u{e4}) G54", "", ";\u{e4}"] {
+            assert_eq!(found(dialect, &[line]), None, "{line:?}");
+        }
     }
 }
 

@@ -256,12 +256,14 @@ fn check_range(toolpath: &Toolpath) -> Result<(), ApiError> {
 /// The warnings that every toolpath gets for its cutting conditions, tool and program.
 fn cautions<P: Product>(product: &P) -> Vec<Warning> {
     let of = |cut: &Cut| {
-        let Setup { tool, program, dialect, five_axes, called } = &cut.setup;
+        let Setup { tool, program, dialect, five_axes, called, body: _, remarks } = &cut.setup;
         let mut cautions = cut.cutting?.cautions(tool.as_ref(), program);
         cautions.retain(|caution| called.is_none() || *caution != Caution::NoToolNumber);
         let output = five_axes.as_ref().map(|setup| setup.five_axes().output);
         let coarse = toolpathd_post::coarse_feeds(&cut.toolpath, dialect, program.resolution.units, output);
-        Some(cautions.into_iter().map(Warning::from).chain(coarse.map(Warning::from)).collect())
+        let long = measure(&cut.toolpath, cut.cutting?.rapid_feed).total_time_s.and_then(Warning::long_time);
+        let cautions = cautions.into_iter().map(Warning::from).chain(coarse.map(Warning::from));
+        Some(remarks.iter().cloned().chain(cautions).chain(long).collect())
     };
     product.cut().and_then(of).unwrap_or_default()
 }
@@ -346,7 +348,7 @@ fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<St
         let at = Pointer::root().field("cutting");
         return Err(ApiError::invalid(vec![FieldError::new(&at, FieldCode::FeedRequired, detail)]));
     };
-    let Setup { tool, program, dialect, five_axes, called } = setup;
+    let Setup { tool, program, dialect, five_axes, called, body: _, remarks: _ } = setup;
     let five_axes = five_axes.as_ref().map(AxisSetup::five_axes);
     let (comments, warnings) = (&sheet::notes(outcome), &sheet::told_in_program(&outcome.warnings));
     let job = ProgramJob {

@@ -4,6 +4,7 @@
 mod arc_fitting;
 mod computing;
 mod cutting;
+mod doubts;
 mod five_axis;
 mod interpolation;
 mod milling;
@@ -12,6 +13,7 @@ mod pocketing;
 mod points;
 mod reading;
 mod surfaces;
+mod tools;
 mod verification;
 mod warning;
 mod writing;
@@ -24,9 +26,10 @@ pub use computing::too_slow;
 pub use five_axis::{path_text, positions_of_control, words_left_alone, words_left_alone_in};
 pub use points::point_fault;
 pub use reading::not_read;
+pub use tools::too_short;
 pub use verification::tool_not_told;
 pub use warning::{Warning, WarningCode};
-pub use writing::{missing, refused, smoothed_twice};
+pub use writing::{missing, refused, second_work_offset, smoothed_twice};
 
 /// The member of the body at `path`, such as `/program/decimals`.
 fn member(path: &str) -> Pointer {

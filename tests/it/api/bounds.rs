@@ -141,7 +141,7 @@ async fn a_pattern_that_needs_too_much_work_leaves_the_pocket_to_the_others() {
     let (_, all) = candidates("400000000").await;
     assert_eq!([why(&all.json(), 0), why(&all.json(), 1)], [None, None], "{}", all.text());
     // The one limit is above the estimate for `engagement` and below what it counts, the other below both.
-    for limit in ["200000", "20000"] {
+    for limit in ["200000", "60000"] {
         let (_, some) = candidates(limit).await;
         assert_eq!(why(&some.json(), 0), None, "{}", some.text());
         assert!(why(&some.json(), 1).is_some_and(|why| why.contains("comparisons")), "{}", some.text());

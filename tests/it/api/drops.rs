@@ -368,7 +368,7 @@ async fn every_violation_in_a_drop_request_has_its_code_and_its_pointer() {
         ("tool", ball("diameter_mm", json!(0)), "out_of_range", "#/tool/diameter_mm"),
         ("tool", ball("diameter_mm", json!(-5)), "out_of_range", "#/tool/diameter_mm"),
         ("tool", ball("diameter_mm", json!("5")), "wrong_type", "#/tool/diameter_mm"),
-        ("tool", json!({ "shape": "cone", "diameter_mm": 5 }), "unknown_value", "#/tool/shape"),
+        ("tool", json!({ "shape": "round", "diameter_mm": 5 }), "unknown_value", "#/tool/shape"),
         ("tool", json!({ "shape": "flat" }), "missing_field", "#/tool/diameter_mm"),
         (
             "tool",

@@ -21,7 +21,7 @@ const BLOCK: Cut = Cut { diameter_mm: 8.0, stepover_mm: 3.0, floor_mm: -15.0, st
 const TERRACES: Cut = Cut { diameter_mm: 8.0, stepover_mm: 3.0, floor_mm: -12.0, stepdown_mm: 5.0 };
 
 /// The largest part by which the time of a mirrored or turned part may differ.
-const TIME_PART: f64 = 0.01;
+const TIME_PART: f64 = 0.02;
 
 /// The largest gouge that may be reported where islands are exact, mm: rounding to three decimals, and the
 /// distance between a surface and the triangles that stand for it.
@@ -169,7 +169,7 @@ async fn a_dome_of_patches_is_cleared_around_inside_a_round_region() {
     let height = |p: P| if region.contains(p) { dome_at(p) } else { f64::INFINITY };
     let part = Part::new([[DOME_X[0], DOME_Y[0]], [DOME_X[3], DOME_Y[3]]], height);
     let answer = sound(&app(), &cut, &request, &part).await;
-    assert_floors(&answer, &[-3.0, -6.0, -8.0]);
+    assert_floors(&answer, &[-8.0 / 3.0, -16.0 / 3.0, -8.0]);
     assert_eq!(islands(&answer), [1, 1, 1]);
 }
 
@@ -186,7 +186,7 @@ async fn a_trough_is_cleared_between_the_upright_walls_of_a_region() {
     let trough = |x: f64| -48.0 * (x / 80.0) * (1.0 - x / 80.0);
     let height = |p: P| if region.contains(p) { trough(p[0]) } else { f64::INFINITY };
     let answer = sound(&app(), &cut, &request, &Part::new([[0.0, 0.0], [80.0, 60.0]], height)).await;
-    assert_floors(&answer, &[-4.0, -8.0, -11.0]);
+    assert_floors(&answer, &[-11.0 / 3.0, -22.0 / 3.0, -11.0]);
 }
 
 /// The width of all stairs, mm.
@@ -221,10 +221,10 @@ async fn sound_over_stairs(treads: &[P], cut: &Cut, allowance_mm: Option<f64>) -
 }
 
 #[tokio::test]
-async fn beside_upright_walls_levels_are_as_deep_as_the_stepdown() {
+async fn beside_upright_walls_levels_are_equally_deep() {
     let cut = Cut { floor_mm: -11.0, stepdown_mm: 4.0, ..TERRACES };
     let answer = sound_over_stairs(&[[15.0, 0.0], [60.0, -11.0]], &cut, Some(0.5)).await;
-    assert_floors(&answer, &[-4.0, -8.0, -11.0]);
+    assert_floors(&answer, &[-11.0 / 3.0, -22.0 / 3.0, -11.0]);
     for level in answer["report"]["levels"].as_array().expect("levels") {
         let left = level["leftover_max_mm"].as_f64().expect("a thickness");
         assert!(left < 1e-6, "{left} mm on an upright wall");
@@ -237,7 +237,7 @@ async fn with_an_allowance_levels_end_on_treads_between_upright_walls() {
     let with_allowance = sound_over_stairs(&treads, &TERRACES, Some(0.5)).await;
     assert_floors(&with_allowance, &[-3.0, -7.0, -12.0]);
     let without = sound_over_stairs(&treads, &TERRACES, None).await;
-    assert_floors(&without, &[-5.0, -10.0, -12.0]);
+    assert_floors(&without, &[-4.0, -8.0, -12.0]);
     assert!(without["report"]["levels"][0].get("leftover_max_mm").is_none());
 }
 
@@ -297,7 +297,7 @@ async fn with_an_allowance_levels_end_on_terraces_between_steep_slopes() {
     assert_floors(&answer, &[-3.0, -7.0, -12.0]);
     assert_deepest(&heights, &TERRACES, &answer, allowance);
     let without = sound_over(&heights, &TERRACES).await;
-    assert_floors(&without, &[-5.0, -10.0, -12.0]);
+    assert_floors(&without, &[-4.0, -8.0, -12.0]);
 }
 
 #[tokio::test]

@@ -212,7 +212,7 @@ async fn emptied_places_that_make_no_sense_are_refused_with_the_place() {
         (json!([{ "boundary": square }, {}]), "conflict", "#/cleared/1"),
         (json!([{ "boundary": eight, "nc": nc, "tool_diameter_mm": 20 }]), "conflict", "#/cleared/0"),
         (json!([{ "nc": nc }]), "missing_field", "#/cleared/0/tool_diameter_mm"),
-        (json!([{ "nc": "this is no program", "tool_diameter_mm": 20 }]), "syntax", "#/cleared/0/nc"),
+        (json!([{ "nc": "G0 X\nM30", "tool_diameter_mm": 20 }]), "syntax", "#/cleared/0/nc"),
         (
             json!([{ "nc": nc, "tool_diameter_mm": 20, "dialect": "none" }]),
             "unknown_dialect",

@@ -96,7 +96,7 @@ impl<'a> Part<'a> {
                 |step: &&Step| step.level == Some(k) && step.role.is_some() && step.low() < TOP_MM - SAME_MM;
             let below: Vec<&Step> = steps.iter().filter(is_below).collect();
             let is_wrong = |step: &&&Step| {
-                let is_level = matches!(step.role.as_deref(), Some("cut" | "link"));
+                let is_level = step.role.as_deref() == Some("cut");
                 step.low() < z - SAME_MM || (is_level && !step.is_at(z))
             };
             faults.extend(below.iter().find(is_wrong).map(|step| format!("not at {z}: {step:?}")));
@@ -115,7 +115,7 @@ impl<'a> Part<'a> {
     }
 
     /// Moves the cutter through the stock in the order of the path. Returns where rapids are too low, and
-    /// where the cutter meets stock on other moves than cuts, ramps and plunges.
+    /// where the cutter meets stock on other moves than cuts, level leads, ramps and plunges.
     pub fn run(&self, stock: &mut [f64], steps: &[Step], radius: f64) -> Vec<String> {
         let mut faults = Vec::new();
         for step in steps {
@@ -128,6 +128,7 @@ impl<'a> Part<'a> {
             }
             let free = match step.role.as_deref() {
                 Some("cut" | "ramp" | "plunge") => None,
+                Some("lead_in" | "lead_out") if step.z[0] == step.z[1] => None,
                 Some("link") => Some(radius - LINK_RIM_MM),
                 _ => Some(radius - ENTRY_RIM_MM),
             };

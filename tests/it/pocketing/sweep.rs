@@ -28,12 +28,16 @@ const TRACE_MM: f64 = 0.06;
 /// The largest part of what can be reached that may stay uncut.
 const UNCUT_PART: f64 = 5e-4;
 
-/// How much an angle may exceed that of a straight pass before the slot feed has to hold, degrees.
-const SLOT_ALLOWANCE_DEG: f64 = 6.0;
+/// The slot feed has to hold where the angle exceeds this multiple of that of a straight pass, and degrees.
+const SLOT_ALLOWANCE: f64 = 1.1;
+const SLOT_ALLOWANCE_DEG: f64 = 2.0;
 
 /// How much a measured angle may exceed the largest that is reported, degrees: the points it is measured with
 /// are a degree apart.
 const REPORT_ALLOWANCE_DEG: f64 = 2.0;
+
+/// How far links are raised above the floor, mm.
+const RAISED_MM: f64 = 0.1;
 
 /// What can be wrong with a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -155,10 +159,11 @@ fn check_heights(job: &Job, plan: &Plan, motions: &[Motion], verdict: &mut Verdi
         let sinks = feed * angle.sin();
         let is_slow = sinks <= cutting.plunge_feed.mm_per_min() * (1.0 + 1e-9);
         let is_fine = match role {
-            Role::Cut | Role::Link => motion.is_level(),
+            Role::Cut => motion.is_level(),
+            Role::Link => motion.is_level() || (to - from).abs() <= RAISED_MM + 1e-9,
             Role::Ramp => is_slow && angle <= job.entry.ramp_angle + 1e-6,
             Role::Plunge => is_slow && motion.is_vertical() && job.entry.plunge,
-            Role::LeadIn | Role::LeadOut => motion.is_vertical(),
+            Role::LeadIn | Role::LeadOut => motion.is_vertical() || motion.is_level(),
         };
         if !is_fine {
             verdict
@@ -177,8 +182,11 @@ fn check_stock(area: &Area, case: &Case, motions: &[Motion], verdict: &mut Verdi
             continue;
         }
         let limit = match motion.kind {
-            Kind::Feed(Role::Cut | Role::Ramp | Role::Plunge) => case.stepdown_mm + 1e-6,
-            _ => 1e-6,
+            Kind::Feed(Role::Link) | Kind::Rapid => 1e-6,
+            _ if !motion.is_level() && matches!(motion.kind, Kind::Feed(Role::LeadIn | Role::LeadOut)) => {
+                1e-6
+            }
+            Kind::Feed(_) => case.stepdown_mm + 1e-6,
         };
         let longest = if motion.is_level() { f64::INFINITY } else { 0.3 };
         let points = motion.piece.points(0.005, longest);
@@ -231,14 +239,17 @@ fn check_angles(case: &Case, job: &Job, plan: &Plan, motions: &[Motion], verdict
         if !angle.is_entry && angle.angle > most {
             (most, most_at) = (angle.angle, angle.at);
         }
-        let over = (angle.angle - straight).to_degrees();
+        let over = (angle.angle - SLOT_ALLOWANCE * straight).to_degrees();
         let feed = motions[angle.motion].feed.unwrap_or(f64::INFINITY);
         if let Some(slot_feed) = job.cutting.slot_feed
             && over > SLOT_ALLOWANCE_DEG
             && feed > slot_feed.mm_per_min() + 1e-9
         {
             verdict.add(Fault::SlotFeed, over, || {
-                format!("{over:.1} degrees above a straight pass at {feed} mm/min near {:?}", angle.at)
+                format!(
+                    "{over:.1} degrees above the angle at full feed, at {feed} mm/min near {:?}",
+                    angle.at
+                )
             });
         }
     }

@@ -37,6 +37,7 @@ pub fn depth(tool: &Tool, r: f64, z: f64) -> f64 {
         Shape::Ball => tool.radius_mm,
         Shape::Flat => 0.0,
         Shape::BullNose { corner_radius_mm } => corner_radius_mm,
+        _ => unreachable!("mills are balls, flat ends and bull noses"),
     };
     let flat = tool.radius_mm - corner;
     let side = tool.radius_mm - r;
@@ -171,7 +172,7 @@ fn contact_cuts_a_trough_too_tight_for_the_cutter_without_a_gouge() {
                     matches!(refused, Err(Error::OffsetFolds { .. })),
                     "not refused as folded: {refused:?}"
                 ),
-                Shape::Flat | Shape::BullNose { .. } => assert_eq!(refused, Err(Error::NoBall)),
+                _ => assert_eq!(refused, Err(Error::NoBall)),
             }
             let plan = follow(&job, &dense);
             // In the middle of the trough the cutter rests on both sides: the tip of a ball is at 0.625 and
@@ -189,6 +190,7 @@ fn contact_cuts_a_trough_too_tight_for_the_cutter_without_a_gouge() {
                 Shape::Ball => (0.614..0.636, 0.5..1.0),
                 Shape::Flat => (2.489..2.511, 2.0..3.7),
                 Shape::BullNose { .. } => (0.7..2.489, 0.5..3.0),
+                _ => unreachable!("mills are balls, flat ends and bull noses"),
             };
             assert!(rest_range.contains(&rest), "{tool:?}: {rest} mm are left");
             assert!(
@@ -303,6 +305,7 @@ fn contact_cuts_a_half_sphere_down_to_its_vertical_rim() {
                 Shape::Ball => -radius_mm,
                 Shape::Flat => 0.0,
                 Shape::BullNose { corner_radius_mm } => -corner_radius_mm,
+                _ => unreachable!("mills are balls, flat ends and bull noses"),
             };
             assert!(
                 (lowest - 0.011..lowest + 0.2).contains(&low) && high < radius + 0.011,

@@ -164,6 +164,7 @@ fn distance(tool: &Tool, tip: &Point3<f64>, p: &Point3<f64>) -> f64 {
         Shape::Ball => tool.radius_mm,
         Shape::Flat => 0.0,
         Shape::BullNose { corner_radius_mm } => corner_radius_mm,
+        _ => unreachable!("mills are balls, flat ends and bull noses"),
     };
     let flat = tool.radius_mm - corner;
     let (r, z) = ((p - tip).xy().norm(), p.z - tip.z);

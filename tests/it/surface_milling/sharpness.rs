@@ -37,6 +37,7 @@ fn cutter_of(tool: &Tool) -> Cutter {
         Shape::Ball => Cutter::ball(tool.radius_mm),
         Shape::Flat => Cutter::bull_nose(tool.radius_mm, 0.0),
         Shape::BullNose { corner_radius_mm } => Cutter::bull_nose(tool.radius_mm, corner_radius_mm),
+        _ => unreachable!("mills are balls, flat ends and bull noses"),
     }
 }
 

@@ -57,6 +57,25 @@ export const plan: Body<"planPocket"> = {
   cutting: { feed_mm_per_min: 800 },
 };
 
+// Outlines with an arc by its radius and as a section curve, and a tool with its body.
+export const planned: Body<"planPocket"> = {
+  ...plan,
+  region: {
+    boundary: [[0, 0], [50, 0], { to: [50, 30], radius_mm: 20 }, [0, 30]],
+    islands: ["l(10,10) r(20,10,2) l(20,20) l(10,20)"],
+  },
+  tool: {
+    shape: "flat",
+    diameter_mm: 8,
+    flute_length_mm: 20,
+    length_mm: 35,
+    n_flutes: 3,
+    max_rpm: 18_000,
+    holder: [{ length_mm: 40, diameter_mm: 20, top_diameter_mm: 32 }],
+  },
+  machine: { max_rpm: 12_000 },
+};
+
 export const model: Body<"modelSurface"> = { surface };
 
 export const smooth: Body<"smoothPath"> = {

@@ -7,7 +7,9 @@
 //!    touch.
 //! 2. Each element is cut at all vertices within the snap of it. The parts are the edges. Each edge is made
 //!    anew, so that it starts and ends exactly at vertices.
-//! 3. Several edges between the same two vertices become one edge, if their middles also lie close together.
+//! 3. Edges that were moved to vertices may meet others anew. So the edges are cut again, up to the asked
+//!    number of passes, until none is.
+//! 4. Several edges between the same two vertices become one edge, if their middles also lie close together.
 //!    The new edge counts how often the loops run along it in its direction, less how often they run along it
 //!    backward. If the count is zero, the edge is dropped.
 //!
@@ -77,49 +79,45 @@ pub(super) enum ArrangementError {
     TooMany { limit: usize },
 }
 
-/// A part of an element along which y only rises or only falls.
-struct Strand {
-    origin: usize,
-    group: usize,
-    /// The vertices of its ends.
-    ends: [usize; 2],
-}
-
 impl Arrangement {
+    /// The arrangement of loops. The edges are cut up to `passes` times.
+    ///
     /// # Errors
     /// One of [`ArrangementError`].
-    pub(super) fn new(loops: &[Loop], snap_mm: f64, budget: &Budget) -> Result<Self, ArrangementError> {
+    pub(super) fn new(
+        loops: &[Loop],
+        snap_mm: f64,
+        passes: usize,
+        budget: &Budget,
+    ) -> Result<Self, ArrangementError> {
         if loops.iter().map(|one| one.elements.len()).sum::<usize>() > LIMIT {
             return Err(ArrangementError::TooMany { limit: LIMIT });
         }
-        let (mut strands, mut elements, mut vertices) = (Vec::new(), Vec::new(), Vertices::new(snap_mm));
-        let mut parts = Vec::new();
+        let (mut edges, mut vertices, mut parts) = (Vec::new(), Vertices::new(snap_mm), Vec::new());
         let all = loops.iter().flat_map(|one| one.elements.iter().map(|element| (one.group, element)));
         for (origin, (group, element)) in all.enumerate() {
             append_monotone(element, &mut parts);
-            for part in parts.drain(..) {
-                let ends = [part.start(), part.end()].map(|p| vertices.at(p));
-                if ends[0] != ends[1] {
-                    strands.push(Strand { origin, group, ends });
-                    elements.push(part);
-                }
-            }
-        }
-        let tree = Tree::new(elements);
-        let cuts = cuts(&strands, &tree, &mut vertices, budget)?;
-        let mut edges = Vec::new();
-        for ((strand, element), cuts) in strands.iter().zip(tree.elements()).zip(&cuts) {
-            for pair in cuts.windows(2) {
-                let [from, to] = [pair[0].1, pair[1].1];
+            for element in parts.drain(..) {
+                let [from, to] = [element.start(), element.end()].map(|p| vertices.at(p));
                 if from != to {
                     let mut count = [0; 2];
-                    count[strand.group] = 1;
-                    let element = between(element, vertices.places[from], vertices.places[to]);
-                    edges.push(Edge { element, from, to, count, origin: strand.origin });
+                    count[group] = 1;
+                    edges.push(Edge { element, from, to, count, origin });
                 }
             }
         }
-        let (edges, overlap) = merged(edges, SNAPS_OF_AN_EDGE * snap_mm);
+        let mut overlap = None;
+        for _ in 0..passes {
+            let before = edges.len();
+            let parts = divided(&edges, &mut vertices, budget)?;
+            let is_settled = parts.len() == before;
+            let (kept, overlapping) = merged(parts, SNAPS_OF_AN_EDGE * snap_mm);
+            edges = kept;
+            overlap = overlap.or(overlapping);
+            if is_settled {
+                break;
+            }
+        }
         Ok(Self { vertices: vertices.places, edges, overlap })
     }
 
@@ -134,9 +132,26 @@ impl Arrangement {
     }
 }
 
+/// The parts of edges between the vertices near them.
+fn divided(edges: &[Edge], vertices: &mut Vertices, budget: &Budget) -> Result<Vec<Edge>, ArrangementError> {
+    let tree = Tree::new(edges.iter().map(|edge| edge.element).collect());
+    let cuts = cuts(edges, &tree, vertices, budget)?;
+    let mut parts = Vec::with_capacity(edges.len());
+    for (edge, cuts) in edges.iter().zip(&cuts) {
+        for pair in cuts.windows(2) {
+            let [from, to] = [pair[0].1, pair[1].1];
+            if from != to {
+                let element = between(&edge.element, vertices.places[from], vertices.places[to]);
+                parts.push(Edge { element, from, to, ..*edge });
+            }
+        }
+    }
+    Ok(parts)
+}
+
 /// For each element the vertices at which it is cut, in order, with their places along it.
 fn cuts(
-    strands: &[Strand],
+    edges: &[Edge],
     tree: &Tree,
     vertices: &mut Vertices,
     budget: &Budget,
@@ -171,7 +186,7 @@ fn cuts(
             budget.check()?;
         }
         tree.near(place, vertices.snap_mm, |k, _| {
-            if !strands[k].ends.contains(&vertex) {
+            if edges[k].from != vertex && edges[k].to != vertex {
                 cuts[k].push((along(&elements[k], place), vertex));
                 count += 1;
             }
@@ -181,8 +196,8 @@ fn cuts(
     if count > LIMIT {
         return Err(ArrangementError::TooMany { limit: LIMIT });
     }
-    for (cuts, strand) in cuts.iter_mut().zip(strands) {
-        let [start, end] = strand.ends;
+    for (cuts, edge) in cuts.iter_mut().zip(edges) {
+        let [start, end] = [edge.from, edge.to];
         cuts.retain(|(_, vertex)| *vertex != start && *vertex != end);
         cuts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         cuts.insert(0, (f64::NEG_INFINITY, start));

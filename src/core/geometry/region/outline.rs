@@ -59,7 +59,7 @@ impl Outline {
         let outline = Self { elements: joined };
         let outline = if area < 0.0 { outline.reversed() } else { outline };
         let arrangement =
-            Arrangement::new(&[Loop { group: 0, elements: &outline.elements }], SNAP_MM, budget)?;
+            Arrangement::new(&[Loop { group: 0, elements: &outline.elements }], SNAP_MM, 1, budget)?;
         if let Some(at) = arrangement.overlap {
             return Err(OutlineError::Crosses { at });
         }

@@ -1,7 +1,8 @@
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::*;
 
+mod close;
 mod laws;
 
 /// The loop through points (x, y, bulge). Bulges are tan(turn / 4), positive for arcs that turn to the left.

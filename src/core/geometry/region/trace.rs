@@ -1,27 +1,32 @@
-//! Traces the outlines of an area. The input is the edges of an arrangement, and a rule that tells on which
-//! sides of each edge the area lies.
+//! Traces the outlines of an area. The input is the edges of an arrangement, and a rule that tells from the
+//! windings about a place whether the place is in the area.
 //!
 //! # Method
-//! 1. An edge bounds the area if the area lies on exactly one side of the edge. Such an edge is turned so
+//! 1. Each face between the edges (`orbits`) has the windings that the sides of its edges have over most of
+//!    their length. They tell whether the face is in the area.
+//! 2. An edge bounds the area if the area lies on exactly one side of the edge. Such an edge is turned so
 //!    that the area is on its left.
-//! 2. These edges are joined into loops. Where several edges could follow at a vertex, the first one
+//! 3. These edges are joined into loops. Where several edges could follow at a vertex, the first one
 //!    clockwise from the edge that arrives is taken: these two edges bound the same corner of the area.
-//! 3. A loop that visits a vertex twice is divided there into two loops.
-//! 4. Successive edges on one line or circle become one element. Loops narrower than 1e-6 mm are dropped.
-//! 5. Loops that run clockwise are islands. Each island belongs to the smallest outer outline that contains
+//! 4. A loop that visits a vertex twice is divided there into two loops.
+//! 5. Successive edges on one line or circle become one element. Loops narrower than 1e-6 mm are dropped.
+//! 6. Loops that run clockwise are islands. Each island belongs to the smallest outer outline that contains
 //!    it.
 //!
-//! If the edges do not form closed loops, the area is refused.
+//! # Guarantees
+//! Every boundary is closed, because the area consists of whole faces. Where sides of one face contradict
+//! each other, edges cross between their vertices; [`Bounded::doubt_mm`] tells how long these sides are.
 
 use std::collections::HashMap;
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 
+use super::Face;
 use super::arrangement::{Arrangement, Edge, SNAP_MM, append_monotone};
+use super::orbits::{self, Beside};
 use super::outline::{self, Outline};
-use super::winding::{self, Sides};
-use super::{Face, RegionError};
-use crate::budget::Budget;
+use super::winding;
+use crate::budget::{Budget, Stopped};
 use crate::geometry::offset::tree::Tree;
 use crate::geometry::segment::Segment;
 
@@ -50,60 +55,92 @@ struct Side {
     origin: usize,
 }
 
-/// The faces of the area in which `is_inside` holds for the windings of both groups.
+/// The boundary of an area.
+pub(super) struct Bounded<'a> {
+    vertices: &'a [Point2<f64>],
+    sides: Vec<Side>,
+    /// The length of the sides of edges that contradict most of the boundary of their face, mm.
+    pub doubt_mm: f64,
+    /// The part of this length on which it matters, mm: edge and face do not agree whether the place is in
+    /// the area.
+    pub wrong_mm: f64,
+    /// A place on such a side.
+    pub doubtful: Option<Point2<f64>>,
+}
+
+/// The boundary of the area in which `is_inside` holds for the windings of both groups.
 ///
 /// # Errors
-/// [`RegionError::Tangled`] where the boundary is not closed, [`RegionError::Stopped`].
-pub(super) fn faces(
-    arrangement: &Arrangement,
+/// When the budget ends.
+pub(super) fn bounded<'a>(
+    arrangement: &'a Arrangement,
     is_inside: impl Fn([i32; 2]) -> bool,
     budget: &Budget,
-) -> Result<Vec<Face>, RegionError> {
+) -> Result<Bounded<'a>, Stopped> {
     let windings = winding::sides(arrangement, budget)?;
-    let boundary: Vec<Side> = arrangement
-        .edges
-        .iter()
-        .zip(&windings)
-        .filter_map(|(edge, sides)| bounding(edge, sides, &is_inside))
-        .collect();
-    if let Some(at) = unbalanced(&arrangement.vertices, &boundary) {
-        return Err(RegionError::Tangled { at });
-    }
-    let ways = loops(&arrangement.vertices, &boundary, Wedge::Inside, budget)?;
-    // Elements end where outlines touch.
-    let mut leaving = vec![0; arrangement.vertices.len()];
-    for side in &boundary {
-        leaving[side.from] += 1;
-    }
-    let mut found = Vec::new();
-    for sides in ways.iter().flat_map(|way| simple(way)) {
-        let elements = joined(&sides, |vertex| leaving[vertex] > 1);
-        let area = outline::area(&elements);
-        // Loops narrower than the snap are dropped.
-        if area.abs() > SNAP_MM * outline::length(&elements) {
-            let on_it = sides[0].element.at(0.5);
-            found.push((Outline::unchecked(elements), area, on_it));
+    let beside = Beside::new(arrangement);
+    // For each face the windings that edges on its boundary say, each with the length of these edges.
+    let mut votes: Vec<Vec<([i32; 2], f64)>> = vec![Vec::new(); beside.count];
+    for ((edge, sides), faces) in arrangement.edges.iter().zip(&windings).zip(&beside.faces) {
+        for (face, said) in faces.iter().zip([sides.left, sides.right]) {
+            match votes[*face].iter_mut().find(|(winding, _)| *winding == said) {
+                Some((_, length)) => *length += edge.element.length(),
+                None => votes[*face].push((said, edge.element.length())),
+            }
         }
     }
-    nested(found, budget)
-}
-
-/// A vertex at which the numbers of arriving and leaving sides differ; `None` if there is none.
-fn unbalanced(vertices: &[Point2<f64>], boundary: &[Side]) -> Option<Point2<f64>> {
-    let mut excess = vec![0_i32; vertices.len()];
-    for side in boundary {
-        excess[side.from] += 1;
-        excess[side.to] -= 1;
+    let elected = |votes: &Vec<([i32; 2], f64)>| {
+        let most = votes.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
+        most.map_or([0; 2], |(winding, _)| winding)
+    };
+    let elected: Vec<[i32; 2]> = votes.iter().map(elected).collect();
+    let (mut sides, mut doubt_mm, mut wrong_mm, mut doubtful) = (Vec::new(), 0.0, 0.0, None);
+    for ((edge, said), faces) in arrangement.edges.iter().zip(&windings).zip(&beside.faces) {
+        let Edge { element, from, to, origin, .. } = *edge;
+        let of_faces = faces.map(|face| elected[face]);
+        if of_faces != [said.left, said.right] {
+            doubt_mm += element.length();
+            doubtful.get_or_insert(element.at(0.5));
+            if of_faces.map(&is_inside) != [said.left, said.right].map(&is_inside) {
+                wrong_mm += element.length();
+            }
+        }
+        match of_faces.map(&is_inside) {
+            [true, false] => sides.push(Side { element, from, to, origin }),
+            [false, true] => {
+                sides.push(Side { element: element.reversed(), from: to, to: from, origin });
+            }
+            _ => {}
+        }
     }
-    excess.iter().position(|excess| *excess != 0).map(|vertex| vertices[vertex])
+    Ok(Bounded { vertices: &arrangement.vertices, sides, doubt_mm, wrong_mm, doubtful })
 }
 
-fn bounding(edge: &Edge, sides: &Sides, is_inside: impl Fn([i32; 2]) -> bool) -> Option<Side> {
-    let Edge { element, from, to, origin, .. } = *edge;
-    match (is_inside(sides.left), is_inside(sides.right)) {
-        (true, false) => Some(Side { element, from, to, origin }),
-        (false, true) => Some(Side { element: element.reversed(), from: to, to: from, origin }),
-        _ => None,
+impl Bounded<'_> {
+    /// The faces of the area.
+    ///
+    /// # Errors
+    /// When the budget ends.
+    pub(super) fn faces(&self, budget: &Budget) -> Result<Vec<Face>, Stopped> {
+        let ways = loops(self.vertices.len(), &self.sides, Wedge::Inside, budget)?;
+        // Elements end where outlines touch.
+        let mut leaving = vec![0; self.vertices.len()];
+        for side in &self.sides {
+            leaving[side.from] += 1;
+        }
+        let mut found = Vec::new();
+        for sides in ways.iter().flat_map(|way| simple(way)) {
+            let elements = joined(&sides, |vertex| leaving[vertex] > 1);
+            let area = outline::area(&elements);
+            // Loops narrower than the snap are dropped.
+            if area.abs() > SNAP_MM * outline::length(&elements) {
+                let length = |side: &&Side| side.element.length();
+                let longest = sides.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
+                let on_it = longest.map_or_else(|| elements[0].at(0.5), |side| side.element.at(0.5));
+                found.push((Outline::unchecked(elements), area, on_it));
+            }
+        }
+        nested(found, budget)
     }
 }
 
@@ -111,65 +148,101 @@ fn bounding(edge: &Edge, sides: &Sides, is_inside: impl Fn([i32; 2]) -> bool) ->
 /// the corners of a contour are corners of the places beside it.
 ///
 /// # Errors
-/// [`RegionError::Tangled`], [`RegionError::Stopped`].
+/// When the budget ends.
 pub(super) fn contours<'a>(
     outlines: impl Iterator<Item = &'a Outline>,
     wedge: Wedge,
     budget: &Budget,
-) -> Result<Vec<Vec<Segment>>, RegionError> {
-    let mut vertices = Vec::new();
+) -> Result<Vec<Vec<Segment>>, Stopped> {
     let mut known = HashMap::new();
     let mut at = |p: Point2<f64>| {
-        *known.entry([p.x.to_bits(), p.y.to_bits()]).or_insert_with(|| {
-            vertices.push(p);
-            vertices.len() - 1
-        })
+        let next = known.len();
+        *known.entry([p.x.to_bits(), p.y.to_bits()]).or_insert(next)
     };
     let side = |(origin, element): (usize, &Segment)| {
         let [from, to] = [element.start(), element.end()].map(&mut at);
         Side { element: *element, from, to, origin }
     };
     let boundary: Vec<Side> = outlines.flat_map(Outline::elements).enumerate().map(side).collect();
-    let loops = loops(&vertices, &boundary, wedge, budget)?;
+    let loops = loops(known.len(), &boundary, wedge, budget)?;
     Ok(loops.iter().map(|way| way.iter().map(|side| side.element).collect()).collect())
 }
 
-/// The boundary as loops about the corners of the area, or about the corners of the places outside it.
+/// The boundary as loops about the corners of the area, or about the corners of the places outside it. At
+/// every vertex as many sides arrive as leave.
 fn loops(
-    vertices: &[Point2<f64>],
+    n_vertices: usize,
     boundary: &[Side],
     wedge: Wedge,
     budget: &Budget,
-) -> Result<Vec<Vec<Side>>, RegionError> {
-    let mut leaving: Vec<Vec<usize>> = vec![Vec::new(); vertices.len()];
-    for (k, side) in boundary.iter().enumerate() {
-        leaving[side.from].push(k);
-    }
+) -> Result<Vec<Vec<Side>>, Stopped> {
+    let followers = followers(n_vertices, boundary, wedge, budget)?;
     let mut loops = Vec::new();
     let mut is_used = vec![false; boundary.len()];
-    let mut steps = 0;
     for first in 0..boundary.len() {
         let mut way = Vec::new();
         let mut next = first;
         while !is_used[next] {
-            steps += 1;
-            if steps % STEPS_BETWEEN_CHECKS == 0 {
-                budget.check()?;
-            }
             is_used[next] = true;
             way.push(boundary[next]);
-            let at = boundary[next].to;
-            let onward = onward(boundary, next, &leaving[at], wedge);
-            next = onward.ok_or(RegionError::Tangled { at: vertices[at] })?;
-        }
-        if next != first {
-            return Err(RegionError::Tangled { at: boundary[next].element.start() });
+            next = followers[next];
         }
         if !way.is_empty() {
             loops.push(way);
         }
     }
     Ok(loops)
+}
+
+/// For each side the one that goes on about the same corner of the wedge. Every side follows exactly one.
+fn followers(
+    n_vertices: usize,
+    boundary: &[Side],
+    wedge: Wedge,
+    budget: &Budget,
+) -> Result<Vec<usize>, Stopped> {
+    let mut meeting: Vec<Vec<(usize, bool)>> = vec![Vec::new(); n_vertices];
+    for (k, side) in boundary.iter().enumerate() {
+        meeting[side.from].push((k, true));
+        meeting[side.to].push((k, false));
+    }
+    let mut followers: Vec<usize> = (0..boundary.len()).collect();
+    for (vertex, meeting) in meeting.iter().enumerate() {
+        if vertex % STEPS_BETWEEN_CHECKS == 0 {
+            budget.check()?;
+        }
+        if let [(a, leaves), (b, _)] = meeting[..] {
+            if leaves {
+                followers[b] = a;
+            } else {
+                followers[a] = b;
+            }
+            continue;
+        }
+        let away = |(k, leaves): &(usize, bool)| {
+            if *leaves { boundary[*k].element } else { boundary[*k].element.reversed() }
+        };
+        let mut order = orbits::counterclockwise(&meeting.iter().map(away).collect::<Vec<_>>());
+        if wedge == Wedge::Inside {
+            order.reverse();
+        }
+        // As brackets are matched: each side that leaves follows the last one that arrived. The second time
+        // around closes what the first left open.
+        let mut open = Vec::new();
+        let mut is_taken = vec![false; meeting.len()];
+        for (is_first, k) in [true, false].iter().flat_map(|first| order.iter().map(move |k| (*first, *k))) {
+            let (side, leaves) = meeting[k];
+            if !leaves {
+                open.extend(is_first.then_some(side));
+            } else if !is_taken[k]
+                && let Some(arrived) = open.pop()
+            {
+                followers[arrived] = side;
+                is_taken[k] = true;
+            }
+        }
+    }
+    Ok(followers)
 }
 
 /// Divides a loop into loops that visit no vertex twice.
@@ -188,31 +261,6 @@ fn simple(way: &[Side]) -> Vec<Vec<Side>> {
         }
     }
     loops
-}
-
-/// The side that goes on from side `k` about the same corner of the wedge, among the sides `leaving` the
-/// vertex where `k` arrives.
-fn onward(boundary: &[Side], k: usize, leaving: &[usize], wedge: Wedge) -> Option<usize> {
-    if leaving.len() < 2 {
-        return leaving.first().copied();
-    }
-    // Sides may be tangent to each other at the vertex. So directions are measured as far from the vertex as
-    // the shortest side allows.
-    let arrived = boundary[k].element.reversed();
-    let chord = |element: &Segment| (element.end() - element.start()).norm();
-    let elements = || leaving.iter().map(|other| &boundary[*other].element).chain([&arrived]);
-    let reach = 0.5 * elements().map(chord).fold(f64::INFINITY, f64::min);
-    let direction = |element: &Segment| {
-        let t = (reach / element.length()).min(1.0);
-        element.at(t) - element.start()
-    };
-    let from = direction(&arrived);
-    let turn = |other: &usize| {
-        let to: Vector2<f64> = direction(&boundary[*other].element);
-        let sense = if wedge == Wedge::Inside { -1.0 } else { 1.0 };
-        (sense * from.perp(&to)).atan2(from.dot(&to)).rem_euclid(std::f64::consts::TAU)
-    };
-    leaving.iter().copied().min_by(|a, b| turn(a).total_cmp(&turn(b)))
 }
 
 /// The elements of a loop: successive sides on one line or circle are one element, unless `is_end` holds for
@@ -246,7 +294,7 @@ fn joint([before, after]: [&Side; 2]) -> Option<Segment> {
             let beside = (a.center() - b.center()).norm() + (a.radius() - b.radius()).abs();
             let is_same = is_one || beside <= SAME_CARRIER_MM;
             (is_same && a.turn() * b.turn() > 0.0 && turn.abs() <= LARGEST_TURN)
-                .then(|| a.between([a.start(), b.end()], turn))
+                .then(|| Segment::turning(a.start(), b.end(), turn))
         }
         (Segment::Line { start, end: middle }, Segment::Line { end, .. }) => {
             let chord = (end - start).normalize();
@@ -260,8 +308,8 @@ fn joint([before, after]: [&Side; 2]) -> Option<Segment> {
 }
 
 /// The faces: every island is put into its outline. Each loop comes with its area, and with a place that is
-/// on no other loop.
-fn nested(loops: Vec<(Outline, f64, Point2<f64>)>, budget: &Budget) -> Result<Vec<Face>, RegionError> {
+/// on no other loop. An island in no outline is a sliver beside one, and is left out.
+fn nested(loops: Vec<(Outline, f64, Point2<f64>)>, budget: &Budget) -> Result<Vec<Face>, Stopped> {
     let (mut elements, mut owners) = (Vec::new(), Vec::new());
     for (k, (outline, ..)) in loops.iter().enumerate() {
         for element in outline.elements() {
@@ -284,9 +332,6 @@ fn nested(loops: Vec<(Outline, f64, Point2<f64>)>, budget: &Budget) -> Result<Ve
         met.dedup();
         let about = met.iter().copied().filter(|other| windings[*other] > 0 && loops[*other].1 > -area);
         homes[k] = about.min_by(|a, b| loops[*a].1.total_cmp(&loops[*b].1));
-        if homes[k].is_none() {
-            return Err(RegionError::Tangled { at: *place });
-        }
         for other in met {
             windings[other] = 0;
         }

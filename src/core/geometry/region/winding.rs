@@ -76,6 +76,7 @@ pub(super) fn sides(arrangement: &Arrangement, budget: &Budget) -> Result<Vec<Si
     let tree = Tree::new(edges.iter().map(|edge| edge.element).collect());
     let edges_at = arrangement.edges_at();
     let mut sides: Vec<Option<Sides>> = vec![None; edges.len()];
+    let mut chain: Vec<(usize, bool)> = Vec::new();
     for first in 0..edges.len() {
         if first % EDGES_BETWEEN_CHECKS == 0 {
             budget.check()?;
@@ -83,23 +84,33 @@ pub(super) fn sides(arrangement: &Arrangement, budget: &Budget) -> Result<Vec<Si
         if sides[first].is_some() {
             continue;
         }
-        let known = by_ray(edges, &tree, first);
-        sides[first] = Some(known);
+        let unknown = Sides { left: [0; 2], right: [0; 2] };
+        sides[first] = Some(unknown);
+        chain.clear();
+        chain.push((first, true));
         let Edge { from, to, .. } = edges[first];
-        let mirrored = Sides { left: known.right, right: known.left };
-        for (mut at, here, mut edge) in [(to, known, first), (from, mirrored, first)] {
+        for (mut at, mut edge, is_forward) in [(to, first, true), (from, first, false)] {
             // Follows the chain until more than two edges meet, or the chain is closed.
             while let [a, b] = edges_at[at][..] {
                 let next = if a == edge { b } else { a };
                 if sides[next].is_some() {
                     break;
                 }
+                sides[next] = Some(unknown);
                 let is_onward = edges[next].from == at;
-                sides[next] =
-                    Some(if is_onward { here } else { Sides { left: here.right, right: here.left } });
+                chain.push((next, is_onward == is_forward));
                 at = if is_onward { edges[next].to } else { edges[next].from };
                 edge = next;
             }
+        }
+        // The middle of the longest edge is the farthest from other edges.
+        let length = |(k, _): &(usize, bool)| edges[*k].element.length();
+        let longest = chain.iter().copied().reduce(|a, b| if length(&b) > length(&a) { b } else { a });
+        let (longest, is_along) = longest.unwrap_or((first, true));
+        let known = by_ray(edges, &tree, longest);
+        for (k, own) in &chain {
+            let is_same = *own == is_along;
+            sides[*k] = Some(if is_same { known } else { Sides { left: known.right, right: known.left } });
         }
     }
     Ok(sides.into_iter().flatten().collect())

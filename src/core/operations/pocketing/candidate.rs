@@ -6,12 +6,12 @@ use super::PocketError;
 use super::check::{Check, check};
 use super::conditions::Conditions;
 use super::crossings::Frame;
-use super::job::{Milling, Pattern};
-use super::level::Shape;
+use super::job::{Load, Milling, Pattern};
+use super::level::{Room, Shape};
 use super::rings::{self, Order};
 use super::router::{Router, Run};
 use super::rows::{self, AtIsland, Layout};
-use super::{engagement, islands, strips, work};
+use super::{engagement, islands, strips, walls, work};
 use crate::budget::Budget;
 use crate::geometry::region::Region;
 use crate::geometry::segment::Segment;
@@ -29,7 +29,8 @@ pub struct Route {
     pub check: Check,
 }
 
-/// The routes of a pattern, of which the fastest is to be taken.
+/// The routes of a pattern, of which the fastest is to be taken. Each first clears the inner region of the
+/// room in its own way, and then cuts along walls and islands.
 pub fn routes(
     pattern: Pattern,
     shape: &Shape,
@@ -40,97 +41,117 @@ pub fn routes(
     if shape.emptied.is_empty() {
         work::check(pattern, shape.path_length_mm(conditions.stepover_mm), conditions)?;
     }
-    let centers = &shape.centers;
-    let begin = || Router::new(conditions, centers, &shape.emptied, budget);
+    let Shape { room, emptied, .. } = shape;
+    let (radius, stepover) = (conditions.radius_mm, conditions.stepover_mm);
+    let begin = || Router::new(conditions, &room.safe, emptied, budget);
+    let layout = |area: Region, needed: Region, at_island| Ok::<_, PocketError>((area, needed, at_island));
     let ways = match pattern {
         Pattern::IslandOffset => {
             let mut router = begin();
-            islands::cut(&mut router, centers, budget)?;
-            vec![router.finish()]
+            islands::cut(&mut router, room, budget)?;
+            vec![walled(router, room)?]
         }
         Pattern::IslandStockOffset => {
-            let rings = rings::rings(centers, conditions.radius_mm, conditions.stepover_mm, budget)?;
+            let rings = rings::rings(&room.inner, radius, stepover, budget)?;
             let cut = |order| {
                 let mut router = begin();
                 rings::cut(&rings, order, &mut router)?;
-                Ok(router.finish())
+                walled(router, room)
             };
             [Order::InsideOut, Order::OutsideIn].into_iter().map(cut).collect::<Result<_, PocketError>>()?
         }
-        Pattern::ZigzagOffset => vec![rows(centers, AtIsland::Turn, 0.0, begin(), budget)?],
-        Pattern::ContinuousOffset => vec![rows(centers, AtIsland::Around, 0.0, begin(), budget)?],
-        Pattern::ContinuousStockOffset => {
-            // Rows that end this far inside free all that the pass along the walls does not.
-            let inset = conditions.radius_mm - 0.5 * conditions.stepover_mm;
-            vec![rows(centers, AtIsland::Around, inset, begin(), budget)?]
-        }
-        Pattern::ZigzagStockOffset => short_rows(centers, conditions, begin, budget)?,
+        Pattern::ZigzagStockOffset => short_rows(room, conditions, begin, budget)?,
         Pattern::Engagement => vec![bounded(shape, conditions, budget)?],
+        Pattern::ZigzagOffset | Pattern::ContinuousOffset | Pattern::ContinuousStockOffset => {
+            let at_island = if pattern == Pattern::ZigzagOffset { AtIsland::Turn } else { AtIsland::Around };
+            let needed = room.centers.offset_inward(radius, budget)?;
+            let (area, needed, at_island) = match (conditions.load, pattern) {
+                (Load::Bounded, _) if room.is_layer_whole => {
+                    layout(room.inner.clone(), room.inner.clone(), at_island)?
+                }
+                (_, Pattern::ContinuousStockOffset) => {
+                    // Rows that end this far inside free all that the pass along the walls does not.
+                    let inset = radius - 0.5 * stepover;
+                    let area = if inset > 0.0 {
+                        room.centers.offset_inward(inset, budget)?
+                    } else {
+                        room.safe.clone()
+                    };
+                    layout(area, needed, at_island)?
+                }
+                _ => layout(room.safe.clone(), needed, at_island)?,
+            };
+            vec![rows(room, [&area, &needed], at_island, begin(), budget)?]
+        }
     };
     let checked = |runs: Vec<Run>| Ok(Route { check: check(&runs, shape, conditions, budget)?, runs });
     ways.into_iter().map(checked).collect()
 }
 
-/// Passes whose angle is bounded. They keep the material on their right; for conventional milling those of
-/// the mirrored region are mirrored.
-fn bounded(shape: &Shape, conditions: &Conditions, budget: &Budget) -> Result<Vec<Run>, PocketError> {
-    let Shape { centers, emptied, .. } = shape;
-    if conditions.milling == Milling::Climb {
-        let mut router = Router::new(conditions, centers, emptied, budget);
-        engagement::cut(&mut router, centers, budget)?;
-        return Ok(router.finish());
-    }
-    let mirrored = centers.mirrored();
-    let emptied: Vec<Vec<Segment>> =
-        emptied.iter().map(|path| path.iter().map(Segment::mirrored).collect()).collect();
-    let mut router = Router::new(conditions, &mirrored, &emptied, budget);
-    engagement::cut(&mut router, &mirrored, budget)?;
-    Ok(router.finish().iter().map(Run::mirrored).collect())
-}
-
-/// Rows that end on the edge of the centres' region, or `inset_mm` inside, and a pass along the walls.
-fn rows(
-    centers: &Region,
-    at_island: AtIsland,
-    inset_mm: f64,
-    mut router: Router,
-    budget: &Budget,
-) -> Result<Vec<Run>, PocketError> {
-    let (radius, stepover) = (router.conditions.radius_mm, router.conditions.stepover_mm);
-    let needed = centers.offset_inward(radius, budget)?;
-    let inset = if inset_mm > 0.0 { centers.offset_inward(inset_mm, budget)? } else { centers.clone() };
-    let chains = shortest([centers, &inset, &needed], radius, |[_, area, needed], frame| {
-        rows::chains(&Layout { area, needed, stepover_mm: stepover, at_island }, frame, budget)
-    })?;
-    router.cut_nearest_end(chains)?;
-    rings::cut_walls(centers, &mut router)?;
+/// The runs of a router after the pass along walls and islands.
+fn walled<'a>(mut router: Router<'a>, room: &'a Room) -> Result<Vec<Run>, PocketError> {
+    walls::cut(&mut router, room, false)?;
     Ok(router.finish())
 }
 
-/// Rows only where the pass along the walls leaves material, and that pass: as few rows as cover, and rows
-/// with the stepover beside the walls too, which cost less where slots are cut slowly.
+/// Passes whose angle is bounded. They keep the material on their right; for conventional milling those of
+/// the mirrored region are mirrored.
+fn bounded(shape: &Shape, conditions: &Conditions, budget: &Budget) -> Result<Vec<Run>, PocketError> {
+    let Shape { room, emptied, .. } = shape;
+    let cut = |room: &Room, emptied: &[Vec<Segment>], conditions: &Conditions| {
+        let mut router = Router::new(conditions, &room.inner, emptied, budget);
+        engagement::cut(&mut router, &room.inner, budget)?;
+        walls::cut(&mut router, room, false)?;
+        Ok(router.finish())
+    };
+    if conditions.milling == Milling::Climb {
+        return cut(room, emptied, conditions);
+    }
+    let emptied: Vec<Vec<Segment>> =
+        emptied.iter().map(|path| path.iter().map(Segment::mirrored).collect()).collect();
+    let runs: Vec<Run> = cut(&room.mirrored(), &emptied, &conditions.climbing())?;
+    Ok(runs.iter().map(Run::mirrored).collect())
+}
+
+/// Rows that end on the edge of an area, as many as the second region needs, and a pass along the walls.
+fn rows<'a>(
+    room: &'a Room,
+    [area, needed]: [&Region; 2],
+    at_island: AtIsland,
+    mut router: Router<'a>,
+    budget: &Budget,
+) -> Result<Vec<Run>, PocketError> {
+    let (radius, stepover) = (router.conditions.radius_mm, router.conditions.stepover_mm);
+    let chains = shortest([&room.centers, area, needed], radius, |[_, area, needed], frame| {
+        rows::chains(&Layout { area, needed, stepover_mm: stepover, at_island }, frame, budget)
+    })?;
+    router.cut_nearest_end(chains)?;
+    walled(router, room)
+}
+
+/// Rows only where the pass along the walls leaves material, and that pass. Where the load is bounded, the
+/// pass along the walls leaves all but a layer as thick as the stepover.
 fn short_rows<'a>(
-    centers: &Region,
+    room: &'a Room,
     conditions: &Conditions,
     begin: impl Fn() -> Router<'a>,
     budget: &Budget,
 ) -> Result<Vec<Vec<Run>>, PocketError> {
     let (radius, stepover) = (conditions.radius_mm, conditions.stepover_mm);
-    let mut insets = vec![radius];
-    if conditions.has_slot_feed() && stepover < radius {
-        insets.push(0.5 * stepover);
-    }
-    let cut = |inset: f64| {
-        let needed = centers.offset_inward(inset, budget)?;
-        let chains = shortest([centers, &needed], radius, |[centers, needed], frame| {
-            strips::chains(needed, centers, radius, stepover, frame, budget)
-        })?;
-        let mut router = begin();
-        router.cut_nearest_end(chains)?;
-        rings::cut_walls(centers, &mut router)?;
-        Ok(router.finish())
+    let needed = match conditions.load {
+        // Rows are up to half a stepover nearer to the walls than what they clear.
+        Load::Bounded => {
+            let inset = stepover.max(0.5 * stepover + room.side_mm).min(radius);
+            room.centers.offset_inward(inset, budget)?
+        }
+        Load::Paper => room.centers.offset_inward(radius, budget)?,
     };
-    insets.into_iter().map(cut).collect()
+    let chains = shortest([&room.centers, &needed], radius, |[centers, needed], frame| {
+        strips::chains(needed, centers, radius, stepover, frame, budget)
+    })?;
+    let mut router = begin();
+    router.cut_nearest_end(chains)?;
+    Ok(vec![walled(router, room)?])
 }
 
 /// The chains in the direction in which they are shortest, begun at any of the four corners. The first region

@@ -6,6 +6,7 @@ use nalgebra::Point2;
 use super::PocketError;
 use super::conditions::Conditions;
 use super::level::Shape;
+use super::pieces::thinnest_mm;
 use super::router::{Purpose, Run};
 use crate::budget::Budget;
 use crate::geometry::offset::swept;
@@ -23,6 +24,9 @@ const UNCUT_PART: f64 = 5e-4;
 
 /// How much nearer to a wall than its radius a cutter may come, mm: above the rounding of offsets.
 const GOUGE_MM: f64 = 1e-5;
+
+/// Distances from walls that are larger than this multiple of what is asked for are not told apart.
+const FAR: f64 = 2.0;
 
 /// The pattern `engagement` keeps the angle within this multiple of that of a straight pass.
 const BOUNDED: f64 = 1.1;
@@ -68,6 +72,8 @@ pub struct Check {
     pub exceptions: Vec<Exception>,
     /// Feed motion that cuts nothing, links included, mm.
     pub air_length_mm: f64,
+    /// How near to a wall or an island the cutter comes where it does not cut along it, mm.
+    pub side_mm: f64,
     /// Why the route is not valid.
     pub invalid_because: Option<Invalid>,
 }
@@ -83,8 +89,10 @@ pub fn check(
     let chains: Vec<Vec<Segment>> = runs.iter().map(Run::chain).collect();
     let all: Vec<&[Segment]> = chains.iter().chain(&shape.emptied).map(Vec::as_slice).collect();
     let boundary = swept::boundary(&all, conditions.radius_mm, budget)?;
+    // What strokes leave as too thin is forgiven.
+    let sliver_mm = SLIVER_MM.max(thinnest_mm(conditions.radius_mm));
     let is_inside = |element: &&Segment| {
-        element.length() > SPECK_MM && shape.reach.distance_to_boundary(element.at(0.5)) > SLIVER_MM
+        element.length() > SPECK_MM && shape.reach.distance_to_boundary(element.at(0.5)) > sliver_mm
     };
     check.uncut = boundary.iter().filter(is_inside).copied().collect();
     if !check.uncut.is_empty() {
@@ -92,7 +100,7 @@ pub fn check(
             (shape.reach.area() - region::area(&boundary)).max(0.0)
         } else {
             // Emptied places may be outside the reach.
-            let swept = Region::on_the_left(&[boundary], budget)?;
+            let swept = Region::swept(&all, conditions.radius_mm, budget)?;
             shape.reach.difference(&swept, budget)?.area()
         };
     }
@@ -100,15 +108,31 @@ pub fn check(
     if check.uncut_area_mm2 > allowed {
         check.invalid_because = Some(Invalid::Uncut { area_mm2: check.uncut_area_mm2 });
     }
-    let limit = conditions.radius_mm - GOUGE_MM;
+    let keeps = conditions.radius_mm + shape.allowance_mm;
+    let limit = keeps - GOUGE_MM;
     for element in chains.iter().flatten() {
-        let clearance = shape.pocket.clearance(element, conditions.radius_mm);
+        let clearance = shape.pocket.clearance(element, keeps);
         if clearance < limit {
-            let depth_mm = conditions.radius_mm - clearance;
+            let depth_mm = keeps - clearance;
             check.invalid_because = Some(Invalid::Gouge { depth_mm, at: element.at(0.5) });
         }
     }
+    check.side_mm = side_mm(runs, shape, keeps);
     Ok(check)
+}
+
+/// How near to a wall or an island the cutter comes on its way down, up and from cut to cut, mm.
+fn side_mm(runs: &[Run], shape: &Shape, keeps_mm: f64) -> f64 {
+    let bound = keeps_mm + FAR * shape.room.side_mm;
+    let mut least = bound;
+    for run in runs {
+        let links = run.steps.iter().filter(|step| step.purpose == Purpose::Link).map(|step| step.element);
+        let [down, up] = run.ends().map(|end| Segment::Line { start: end, end });
+        for element in run.entry.ways(run.start).into_iter().chain(links).chain([down, up]) {
+            least = least.min(shape.pocket.clearance(&element, bound));
+        }
+    }
+    (least - keeps_mm).max(0.0)
 }
 
 fn angles(runs: &[Run], conditions: &Conditions, check: &mut Check) {

@@ -6,7 +6,6 @@ use super::job::Emptied;
 use super::part::region;
 use super::rings;
 use crate::budget::Budget;
-use crate::geometry::offset::swept;
 use crate::geometry::region::Region;
 use crate::geometry::segment::Segment;
 
@@ -77,8 +76,7 @@ impl Cleared {
                 }
             }
             let chains: Vec<&[Segment]> = chains.iter().map(Vec::as_slice).collect();
-            let boundary = swept::boundary(&chains, path.radius_mm, budget)?;
-            all.push(Region::on_the_left(&[boundary], budget)?);
+            all.push(Region::swept(&chains, path.radius_mm, budget)?);
         }
         Ok(Region::union(&all.iter().collect::<Vec<_>>(), budget)?)
     }

@@ -1,22 +1,26 @@
 //! Passes whose angle in the material is bounded: the pattern `engagement`.
 //!
 //! # Method
-//! 1. The cutter comes down on the largest helix about the deepest place and leaves it on a spiral.
+//! 1. The cutter follows the middle of the region (`core`), which is a slot, and leaves it on a spiral. Where
+//!    no middle leads to nearly all places, it comes down on the largest helix about the deepest place, and
+//!    leaves that on a spiral.
 //! 2. Away from walls, the cutter follows arcs that continue each other, each turned so that the angle in the
 //!    material at its end is the target (`tracker`). Whatever shape is left, the angle is kept.
 //! 3. The wall is the boundary of the region of centres with its inner corners rounded by a small radius. The
 //!    cutter always has room for a full circle of this radius to the left. So it can always turn away, come
 //!    to the wall along it, and leave the floor that is cleared by a lead-out.
 //! 4. Where a pass left the wall, material begins, and a later pass begins there, on the wall. Passes follow
-//!    each other nearest first, by a straight link with arcs on both ends, or by a lift. In a channel these
+//!    each other nearest first, by a smooth link over cleared ground, or by a lift. In a channel these
 //!    passes are trochoids.
 //! 5. At the end, rings are followed where they meet material: inner corners, and what no pass came to. Where
 //!    earlier tools have emptied some of the pocket, this step is the only one.
 //!
 //! # Guarantees
 //! The angle is bounded along every pass as for all patterns. Where it exceeds 1.1 of that of the stepover is
-//! in the report: inner corners, necks in which the cutter cannot turn, and ramps where no helix fits.
+//! in the report: the middle, inner corners, necks in which the cutter cannot turn, and ramps where no helix
+//! fits.
 
+mod core;
 mod tracker;
 mod wall;
 
@@ -25,13 +29,13 @@ use nalgebra::{Point2, Vector2};
 use super::PocketError;
 use super::conditions::Conditions;
 use super::depth::deepest;
-use super::entry::Entry;
+use super::entry::{self, Entry};
 use super::pieces::Pieces;
 use super::rings;
 use super::router::{Purpose, Router};
 use crate::budget::Budget;
 use crate::geometry::offset::swept;
-use crate::geometry::region::Region;
+use crate::geometry::region::{Outline, Region};
 use crate::geometry::segment::Segment;
 use tracker::Tracker;
 use wall::Wall;
@@ -46,17 +50,48 @@ pub fn cut(router: &mut Router, centers: &Region, budget: &Budget) -> Result<(),
     if !turning.is_empty() && !router.is_rest() {
         let rounded = turning.offset_outward(tight, budget)?;
         for part in rounded.parts() {
-            let place = deepest(&part, conditions.radius_mm, budget)?;
-            let radius = part.distance_to_boundary(place).min(0.5 * conditions.entry.max_diameter_mm);
-            if radius < (0.5 * conditions.entry.min_diameter_mm).max(tight) {
-                continue;
-            }
-            router.begin(place + Vector2::x() * radius, Entry::Helix { center: place, is_left: true });
-            let wall = Wall::new(&part);
-            Tracker::new(router, &wall, &turning, tight, budget).clear()?;
+            open_part(router, &part, &turning, tight, budget)?;
         }
     }
     cut_rest(router, centers, tight, budget)
+}
+
+/// Comes down in a connected part, and cuts from there on as long as passes meet material.
+fn open_part(
+    router: &mut Router,
+    part: &Region,
+    turning: &Region,
+    tight: f64,
+    budget: &Budget,
+) -> Result<(), PocketError> {
+    let conditions = router.conditions;
+    let told = router.told_place(part);
+    let place = match told {
+        Some(at) => at,
+        None => deepest(part, conditions.radius_mm, budget)?,
+    };
+    let room = part.distance_to_boundary(place);
+    let wall = Wall::new(part);
+    if told.is_none()
+        && let Some(core) = core::of(part, room, conditions, budget)?
+    {
+        let loops: Vec<&[Segment]> = core.outlines().map(Outline::elements).collect();
+        for elements in &loops {
+            router.cut_loop(elements)?;
+        }
+        return Tracker::new(router, &wall, turning, tight, budget).clear_beside(&loops);
+    }
+    let radius = room.min(0.5 * conditions.entry.max_diameter_mm);
+    if radius < (0.5 * conditions.entry.min_diameter_mm).max(tight) {
+        return Ok(());
+    }
+    if told.is_some() && conditions.entry.is_predrilled {
+        router.begin(place, Entry::Plunge);
+        router.follow(&entry::spiral(place, radius, conditions.stepover_mm), Purpose::Cut)?;
+    } else {
+        router.begin(place + Vector2::x() * radius, Entry::Helix { center: place, is_left: true });
+    }
+    Tracker::new(router, &wall, turning, tight, budget).clear()
 }
 
 fn tightest(conditions: &Conditions) -> f64 {
@@ -95,9 +130,10 @@ fn cut_rest(router: &mut Router, centers: &Region, tight: f64, budget: &Budget) 
             let left = |v: Vector2<f64>| Vector2::new(-v.y, v.x) * tight;
             let turn: [Point2<f64>; 2] =
                 [first.start() + left(first.direction(0.0)), last.end() + left(last.direction(1.0))];
-            router.lead_to(first.start(), turn[0])?;
-            router.follow(&piece, Purpose::Cut)?;
-            router.leave_about(turn[1]);
+            if router.lead_to(&piece, turn[0])? {
+                router.follow(&piece, Purpose::Cut)?;
+                router.leave_about(turn[1]);
+            }
         }
     }
     Ok(())

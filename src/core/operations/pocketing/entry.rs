@@ -15,7 +15,7 @@ const RADIUS_ACCURACY_MM: f64 = 1e-3;
 const TOUCHING_MM: f64 = 1e-9;
 
 /// The shortest way on which a ramp goes to and fro, as a part of the cutter's radius.
-const SHORTEST_RAMP: f64 = 0.5;
+pub const SHORTEST_RAMP: f64 = 0.5;
 
 /// How a run begins at its start.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,16 +70,34 @@ pub fn helix(
     Some((radius, Entry::Helix { center: p + aside * (sense * radius), is_left: sense > 0.0 }))
 }
 
-/// A ramp along the run, or a plunge where the run is too short or no plunge is allowed.
+/// A ramp along the run; none where the run is too short. Where little depth is left, the ramp is flatter
+/// than it could be rather than shorter.
 pub fn ramp(elements: &[Segment], conditions: &Conditions) -> Option<Entry> {
     let needed = conditions.depth_mm() / conditions.entry.ramp_angle.tan();
     let whole: f64 = elements.iter().map(Segment::length).sum();
-    let stroke = whole.min(0.5 * needed);
-    if stroke < SHORTEST_RAMP * conditions.radius_mm {
-        return conditions.entry.plunge.then_some(Entry::Plunge);
+    let least = SHORTEST_RAMP * conditions.radius_mm;
+    if whole < least {
+        return None;
     }
-    let strokes = 2 * spaces(needed, 2.0 * stroke) as usize;
-    Some(Entry::Ramp { along: first_part(elements, needed / strokes as f64), strokes })
+    let longest = whole.min((0.5 * needed).max(least));
+    let strokes = 2 * spaces(needed, 2.0 * longest) as usize;
+    Some(Entry::Ramp { along: first_part(elements, (needed / strokes as f64).max(least)), strokes })
+}
+
+/// Half circles to the left about a place, from it out to a radius, which leave at most a stepover between
+/// turns.
+pub fn spiral(place: Point2<f64>, radius_mm: f64, stepover_mm: f64) -> Vec<Segment> {
+    let count = spaces(2.0 * radius_mm, stepover_mm) as usize;
+    let at = |k: usize| {
+        let side = if k.is_multiple_of(2) { -1.0 } else { 1.0 };
+        place + Vector2::x() * (side * radius_mm * k as f64 / count as f64)
+    };
+    let half = |k: usize| {
+        let (start, end) = (at(k), at(k + 1));
+        let center = start + (end - start) * 0.5;
+        Segment::about(center, (end - center).norm(), [start, end], std::f64::consts::PI)
+    };
+    (0..count).map(half).collect()
 }
 
 /// The elements up to this length.
@@ -110,6 +128,14 @@ impl Entry {
             Self::Ramp { along, strokes } => {
                 Self::Ramp { along: along.iter().map(Segment::mirrored).collect(), strokes: *strokes }
             }
+        }
+    }
+
+    /// What the entry follows on its way down.
+    pub fn ways(&self, start: Point2<f64>) -> Vec<Segment> {
+        match self {
+            Self::Ramp { along, .. } => along.clone(),
+            _ => self.footprint(start),
         }
     }
 

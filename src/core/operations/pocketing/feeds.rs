@@ -17,42 +17,64 @@ pub struct Part {
     pub role: Role,
 }
 
-/// Whether the slot feed holds, from one fraction of the length to another.
-type Range = (f64, f64, bool);
+/// How many steps the feed goes down, from one fraction of the length to another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Range {
+    from: f64,
+    to: f64,
+    steps: u8,
+}
 
 pub fn parts(step: &Step, conditions: &Conditions) -> Vec<Part> {
-    if step.purpose == Purpose::Link {
-        return vec![Part {
-            element: step.element,
-            feed: conditions.cutting.feed_of(Role::Link),
-            role: Role::Link,
-        }];
-    }
-    let mut ranges: Vec<Range> = Vec::new();
-    for stretch in &step.angles {
-        let is_slot =
-            stretch.angle > conditions.slot_angle && conditions.slot_feed != conditions.cutting.feed;
-        match ranges.last_mut() {
-            Some(last) if last.2 == is_slot => last.1 = stretch.to,
-            _ => ranges.push((stretch.from, stretch.to, is_slot)),
-        }
-    }
-    // A short part between slots is cut as a slot too.
-    let shortest = SHORTEST * conditions.radius_mm / step.element.length();
-    for range in &mut ranges {
-        range.2 |= range.1 - range.0 < shortest;
-    }
-    let mut merged: Vec<Range> = Vec::new();
-    for range in ranges {
-        match merged.last_mut() {
-            Some(last) if last.2 == range.2 => last.1 = range.1,
-            _ => merged.push(range),
-        }
-    }
-    let part = |(from, to, is_slot): Range| Part {
-        element: if (from, to) == (0.0, 1.0) { step.element } else { step.element.part(from, to) },
-        feed: if is_slot { conditions.slot_feed } else { conditions.cutting.feed },
-        role: Role::Cut,
+    let role = match step.purpose {
+        Purpose::Link => Role::Link,
+        Purpose::LeadOut => Role::LeadOut,
+        Purpose::LeadIn => Role::LeadIn,
+        Purpose::Cut => Role::Cut,
     };
-    merged.into_iter().map(part).collect()
+    let feed = conditions.cutting.feed_of(role);
+    if step.purpose == Purpose::Link {
+        return vec![Part { element: step.element, feed, role }];
+    }
+    let ranges = step.angles.iter().map(|stretch| Range {
+        from: stretch.from,
+        to: stretch.to,
+        steps: conditions.steps_down(stretch.angle),
+    });
+    let ranges = lengthened(&joined(ranges), SHORTEST * conditions.radius_mm / step.element.length());
+    let part = |range: Range| Part {
+        element: if (range.from, range.to) == (0.0, 1.0) {
+            step.element
+        } else {
+            step.element.part(range.from, range.to)
+        },
+        feed: conditions.stepped_down(feed, range.steps),
+        role,
+    };
+    joined(ranges.into_iter()).into_iter().map(part).collect()
+}
+
+/// Neighbours with the same feed as one.
+fn joined(ranges: impl Iterator<Item = Range>) -> Vec<Range> {
+    let mut all: Vec<Range> = Vec::new();
+    for range in ranges {
+        match all.last_mut() {
+            Some(last) if last.steps == range.steps => last.to = range.to,
+            _ => all.push(range),
+        }
+    }
+    all
+}
+
+/// Short ranges with the slowest feed of their neighbours, if that is slower.
+fn lengthened(ranges: &[Range], shortest: f64) -> Vec<Range> {
+    let slowed = |k: usize| {
+        let range = ranges[k];
+        if range.to - range.from >= shortest {
+            return range;
+        }
+        let near = &ranges[k.saturating_sub(1)..(k + 2).min(ranges.len())];
+        Range { steps: near.iter().map(|near| near.steps).max().unwrap_or(range.steps), ..range }
+    };
+    (0..ranges.len()).map(slowed).collect()
 }

@@ -1,5 +1,7 @@
 //! The pocketing job: the area, the heights, the tool, and what is left to choose.
 
+use nalgebra::Point2;
+
 use crate::geometry::curve::Curve;
 use crate::geometry::height_field::HeightGrid;
 use crate::geometry::segment::Segment;
@@ -14,6 +16,11 @@ use crate::toolpath::units::FeedRate;
 /// core.
 const NARROWEST_HELIX: f64 = 0.25;
 const WIDEST_HELIX: f64 = 0.9;
+
+/// How far moves beside the cut keep away from walls where nothing is given, as a part of the cutter's
+/// diameter, and at least, mm.
+const SIDE: f64 = 0.02;
+const LEAST_SIDE_MM: f64 = 0.2;
 
 /// The angle of helices and ramps where none is given, degrees.
 const RAMP_DEG: f64 = 5.0;
@@ -68,6 +75,81 @@ pub enum ChooseBy {
     TimeWithAcceleration,
 }
 
+/// How the feed follows the load of the cutter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Load {
+    /// Passes lie a stepover apart, those along the walls included. Where the angle of the cutter in the
+    /// material is larger than on a straight pass, the feed goes down.
+    Bounded,
+    /// The paper's passes, which may be slots, at one feed unless a feed for slots is given.
+    Paper,
+}
+
+/// How the cutter comes to a wall and leaves it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = LeadKind))]
+pub enum LeadKind {
+    /// On a quarter of a circle that touches the wall.
+    #[default]
+    Arc,
+    /// Straight to the wall and away from it.
+    Line,
+    /// The cutter comes down beside the wall.
+    None,
+}
+
+/// How passes along walls and islands begin and end.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Lead {
+    pub kind: LeadKind,
+    /// The radius of the arc, or the length of the line, mm. Default: half of the cutter's radius, and at
+    /// least what the pass cuts. Where it does not fit, it is as large as fits.
+    pub radius_mm: Option<f64>,
+    /// How far a closed pass goes on beyond its start, mm. Default: a tenth of the cutter's diameter.
+    pub overlap_mm: Option<f64>,
+}
+
+/// The passes that bring walls and islands to their size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FinishWalls {
+    /// How many passes share the allowance.
+    pub passes: u32,
+    /// What each pass but the first takes, mm. Default: equal parts of the allowance.
+    pub stepover_mm: Option<f64>,
+    /// The largest depth of a pass, mm. Default: the whole depth.
+    pub stepdown_mm: Option<f64>,
+    /// Default: the feed.
+    pub feed: Option<FeedRate>,
+    /// How often the last pass is followed again.
+    pub spring_passes: u32,
+}
+
+/// The level that takes the allowance off the floor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FinishFloor {
+    /// Default: the stepover of the job.
+    pub stepover_mm: Option<f64>,
+    /// Default: the feed.
+    pub feed: Option<FeedRate>,
+}
+
+/// What is done with the allowances.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Finish {
+    pub walls: Option<FinishWalls>,
+    pub floor: Option<FinishFloor>,
+}
+
+/// Which part of the work is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = PocketPart))]
+pub enum Only {
+    Roughing,
+    Finishing,
+}
+
 /// The side on which the material is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
@@ -91,6 +173,11 @@ pub struct EntryLimits {
     pub ramp_angle: f64,
     /// Whether the cutter may plunge where neither a helix nor a ramp fits.
     pub plunge: bool,
+    /// Where the cutter comes down first in the connected part that has this place; none leaves the choice
+    /// to the planner. The centre of the helix, or of the hole.
+    pub at: Option<Point2<f64>>,
+    /// Whether a hole is drilled at this place down to the floor, into which the cutter goes straight down.
+    pub is_predrilled: bool,
 }
 
 /// Closed chains of lines and arcs: a wall, and the islands inside it. Islands may overlap each other and the
@@ -140,6 +227,17 @@ pub struct Job {
     pub top_z_mm: Option<f64>,
     pub floor_z_mm: f64,
     pub stepdown_max_mm: f64,
+    /// What stays on walls and islands before finishing, mm.
+    pub allowance_mm: f64,
+    /// What stays on the floor before finishing, mm.
+    pub floor_allowance_mm: f64,
+    pub finish: Finish,
+    /// Roughing or finishing alone; none for both.
+    pub only: Option<Only>,
+    pub lead: Lead,
+    /// How far entries, lifts, links and rapids keep away from walls and islands, mm. None stands for
+    /// a fiftieth of the cutter's diameter, and at least 0.2 mm.
+    pub clearance_side_mm: Option<f64>,
     /// The thickest material that a level may leave on a relief, mm.
     pub roughing_allowance_mm: Option<f64>,
     pub tool: Tool,
@@ -167,12 +265,39 @@ impl EntryLimits {
             max_diameter_mm: WIDEST_HELIX * diameter_mm,
             min_diameter_mm: NARROWEST_HELIX * diameter_mm,
             ramp_angle: RAMP_DEG.to_radians(),
-            plunge: true,
+            plunge: false,
+            at: None,
+            is_predrilled: false,
         }
     }
 }
 
 impl Job {
+    /// How the feed follows the load.
+    pub fn load(&self) -> Load {
+        if self.choose_by == ChooseBy::PaperTime { Load::Paper } else { Load::Bounded }
+    }
+
+    /// The job of the level that takes the allowance off the floor; none without such a level.
+    pub fn finishing_floor(&self) -> Option<Self> {
+        let floor = self.finish.floor.filter(|_| self.only != Some(Only::Roughing))?;
+        let mut job = self.clone();
+        job.stepover_mm = floor.stepover_mm.unwrap_or(self.stepover_mm);
+        job.cutting.feed = floor.feed.unwrap_or(self.cutting.feed);
+        Some(job)
+    }
+
+    /// The passes that bring walls and islands to their size; none without such passes.
+    pub fn finishing_walls(&self) -> Option<FinishWalls> {
+        self.finish.walls.filter(|_| self.only != Some(Only::Roughing))
+    }
+
+    /// How far entries, lifts, links and rapids keep away from walls and islands, mm.
+    pub fn side_mm(&self) -> f64 {
+        let usual = (SIDE * 2.0 * self.tool.radius_mm).max(LEAST_SIDE_MM);
+        self.clearance_side_mm.unwrap_or(usual)
+    }
+
     /// The job with the default of everything that has one: a pocket with upright walls, cleared in one level
     /// from 0 down to the floor, and written in mm with three decimals for a control that runs all arcs.
     pub fn new(area: Outlines, floor_z_mm: f64, tool: Tool, stepover_mm: f64, feed: FeedRate) -> Self {
@@ -184,6 +309,12 @@ impl Job {
             top_z_mm: None,
             floor_z_mm,
             stepdown_max_mm: -floor_z_mm,
+            allowance_mm: 0.0,
+            floor_allowance_mm: 0.0,
+            finish: Finish::default(),
+            only: None,
+            lead: Lead::default(),
+            clearance_side_mm: None,
             roughing_allowance_mm: None,
             tool,
             stepover_mm,

@@ -2,36 +2,12 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::chain::ROUNDING_MM;
-use crate::geometry::segment::{Segment, left};
+use crate::geometry::segment::Segment;
 
 /// The turn of the arc on which the cutter comes to a wall after a lift, radians. The arc begins an eighth of
 /// its radius away from the wall. A larger turn takes longer through the air, and a path has hundreds of
 /// these arcs.
-const LEAD_TURN: f64 = std::f64::consts::FRAC_PI_6;
-
-/// The way from one place to another on circles to the left about two centres and the line that touches both;
-/// empty if no line does, because one circle lies in the other.
-pub fn belt([from, to]: [Point2<f64>; 2], [first, second]: [Point2<f64>; 2]) -> Vec<Segment> {
-    let Some(along) = (second - first).try_normalize(ROUNDING_MM) else { return Vec::new() };
-    let (out, back) = ((from - first).norm(), (to - second).norm());
-    // For equal radii the line runs parallel to that between the centres.
-    let aside = (out - back) / (second - first).norm();
-    if aside.abs() > 1.0 {
-        return Vec::new();
-    }
-    let spoke = -left(along) * (1.0 - aside * aside).sqrt() + along * aside;
-    let (leave, meet) = (first + spoke * out, second + spoke * back);
-    let arc = |start: Point2<f64>, end: Point2<f64>, center: Point2<f64>, radius: f64| {
-        let (a, b) = (start - center, end - center);
-        let turn = a.perp(&b).atan2(a.dot(&b)).rem_euclid(std::f64::consts::TAU);
-        Segment::about(center, radius, [start, end], turn)
-    };
-    vec![arc(from, leave, first, out), Segment::Line { start: leave, end: meet }, arc(meet, to, second, back)]
-        .into_iter()
-        .filter(|element| element.length() > ROUNDING_MM)
-        .collect()
-}
+pub const LEAD_TURN: f64 = std::f64::consts::FRAC_PI_6;
 
 /// The arc to the left about a centre that ends at a place.
 pub fn lead_to(end: Point2<f64>, center: Point2<f64>) -> Segment {
@@ -41,20 +17,29 @@ pub fn lead_to(end: Point2<f64>, center: Point2<f64>) -> Segment {
     Segment::about(center, spoke.norm(), [start, end], LEAD_TURN)
 }
 
+/// The arc to the left about a centre that begins at a place.
+pub fn lead_from(start: Point2<f64>, center: Point2<f64>) -> Segment {
+    let spoke = start - center;
+    let (sin, cos) = LEAD_TURN.sin_cos();
+    let end = center + Vector2::new(spoke.x * cos - spoke.y * sin, spoke.y * cos + spoke.x * sin);
+    Segment::about(center, spoke.norm(), [start, end], LEAD_TURN)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_belt_runs_smoothly_around_two_circles_and_none_runs_around_nested_ones() {
-        let [from, to] = [[0.0, 2.0], [6.0, 0.0]].map(Point2::from);
-        let way = belt([from, to], [Point2::origin(), Point2::new(5.0, 0.0)]);
-        assert_eq!([way[0].start(), way[way.len() - 1].end()], [from, to]);
-        for pair in way.windows(2) {
-            assert_eq!(pair[0].end(), pair[1].start());
-            assert!((pair[0].direction(1.0) - pair[1].direction(0.0)).norm() < 1e-12, "{pair:?}");
+    fn leads_touch_the_motion_beside_the_wall_and_turn_to_the_left() {
+        let (place, center) = (Point2::new(3.0, 0.0), Point2::new(3.0, 2.0));
+        let [lead, out] = [lead_to(place, center), lead_from(place, center)];
+        assert_eq!([lead.end(), out.start()], [place, place]);
+        for along in [lead.direction(1.0), out.direction(0.0)] {
+            assert!((along - Vector2::x()).norm() < 1e-12, "{along}");
         }
-        assert_eq!(belt([from, to], [Point2::origin(), Point2::new(5.5, 0.0)]).len(), 3);
-        assert_eq!(belt([Point2::new(0.0, 9.0), to], [Point2::origin(), Point2::new(5.0, 0.0)]), []);
+        for away in [lead.start(), out.end()] {
+            assert!((away.y - 2.0 * (1.0 - LEAD_TURN.cos())).abs() < 1e-12, "{away}");
+        }
+        assert!(lead.start().x < 3.0 && out.end().x > 3.0);
     }
 }

@@ -4,12 +4,14 @@ use nalgebra::Point2;
 
 use super::PocketError;
 use super::cleared::{Cleared, paths_over};
-use super::depth::deepest;
+use super::depth::{largest_disc, with_room};
+use super::entry::SHORTEST_RAMP;
 use super::job::Job;
 use super::part::Part;
 use crate::budget::Budget;
 use crate::geometry::region::{Outline, Region};
 use crate::geometry::segment::Segment;
+use crate::geometry::spacing::spaces;
 
 /// The most levels.
 pub const MOST_LEVELS: usize = 1000;
@@ -17,13 +19,24 @@ pub const MOST_LEVELS: usize = 1000;
 /// The longest path of a level, in radii of the cutter.
 pub const MOST_RADII: usize = 200_000;
 
-/// A level that would end less than this part of a stepdown above the pocket's floor ends on the floor: the
-/// difference is rounding.
-const ROUNDING: f64 = 1e-9;
+/// The thickest layer that is left to the pass along the walls, in radii of the cutter. A thicker one would
+/// stay in part.
+const THICKEST_LAYER: f64 = 0.95;
+
+/// How often the distance from the walls is halved where a part has no room for it.
+const NARROWER: usize = 4;
+
+/// A level may be deeper than the stepdown by so much, mm, rather than that another level is needed: no
+/// control is set, and no tool cuts, so exactly.
+const DEEPER_MM: f64 = 1e-3;
 
 /// Places that the tool does not reach and that are smaller than this part of the square of its radius are
 /// not listed: a right-angled corner has 0.21.
 const LISTED: f64 = 0.25;
+
+/// A cutter may be wider than a slot by up to twice this, mm: coordinates of outlines are rounded. It cuts so
+/// far into the walls at most, which is less than the check allows.
+const WIDER_MM: f64 = 8e-6;
 
 /// What is cleared on a level.
 #[derive(Debug, Clone)]
@@ -33,14 +46,41 @@ pub struct Shape {
     /// The places that the part leaves free at the level's floor. The cutter must not touch what is outside.
     pub walls: Region,
     /// Where the cutter's centre may be.
-    pub centers: Region,
+    pub room: Room,
     /// What the cutter can reach.
     pub reach: Region,
     /// Bound of the error of the walls, mm. The cutter's centre stays this much farther away from the walls
     /// than the radius.
     pub deviation_mm: f64,
+    /// What is left on the walls for finishing, mm.
+    pub allowance_mm: f64,
     /// Paths of the cutter over what earlier tools have emptied.
     pub emptied: Vec<Vec<Segment>>,
+}
+
+/// Where the cutter's centre may be, and where it is while nothing but the last pass touches walls.
+#[derive(Debug, Clone)]
+pub struct Room {
+    /// The centre may be here: the pass along walls and islands follows the boundary.
+    pub centers: Region,
+    /// Entries, lifts, links and rapids stay here, away from walls and islands.
+    pub safe: Region,
+    /// The passes before the last one along the walls stay here. What they leave is a layer about as thick as
+    /// a stepover.
+    pub inner: Region,
+    /// Whether the layer is as thick as a stepover: it is thinner if the stepover is about the radius or
+    /// more.
+    pub is_layer_whole: bool,
+    /// How far the safe region is inside, where there is room for that, mm.
+    pub side_mm: f64,
+}
+
+/// What is cut on a level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    Roughing,
+    /// What roughing leaves on the floor.
+    Floor,
 }
 
 /// One level.
@@ -52,6 +92,8 @@ pub struct Level {
     pub z_mm: f64,
     /// The index of its shape.
     pub shape: usize,
+    /// What is cut on it.
+    pub stage: Stage,
     /// The thickest material that the level leaves on slopes of a relief, mm; none without a roughing
     /// allowance.
     pub leftover_mm: Option<f64>,
@@ -117,16 +159,25 @@ pub fn levels(job: &Job, budget: &Budget) -> Result<(Heights, Vec<Shape>, Vec<Le
     };
     let cleared = Cleared::new(&job.cleared, budget)?;
     let mut shapes: Vec<Shape> = Vec::new();
-    let mut levels = Vec::new();
-    for [top_z_mm, z_mm] in floors(job, &part, top_z_mm)? {
+    let mut levels: Vec<Level> = Vec::new();
+    let mut ranges: Vec<([f64; 2], Stage)> =
+        floors(job, &part, top_z_mm)?.into_iter().map(|range| (range, Stage::Roughing)).collect();
+    let finishing = job.finishing_floor();
+    if finishing.is_some() {
+        ranges.push(([job.floor_z_mm + job.floor_allowance_mm, job.floor_z_mm], Stage::Floor));
+    }
+    for ([top_z_mm, z_mm], stage) in ranges {
+        let job = finishing.as_ref().filter(|_| stage == Stage::Floor).unwrap_or(job);
         let walls = part.region_at(z_mm, budget)?;
-        let is_known = |shape: &Shape| shape.walls.faces() == walls.faces();
+        let is_known = |shape: &Shape| {
+            shape.walls.faces() == walls.faces() && levels.last().is_some_and(|level| level.stage == stage)
+        };
         // With labelling, levels with equal walls may have different cells.
         let labelled = part.labelled_at(z_mm, budget)?;
         if labelled.is_some() || !cleared.is_empty() || !shapes.last().is_some_and(is_known) {
             let pocket = labelled.unwrap_or_else(|| walls.clone());
             let radius = job.tool.radius_mm;
-            let mut shape = Shape::new(pocket, walls, radius, heights.deviation_mm, budget)?;
+            let mut shape = Shape::new(pocket, walls, job, heights.deviation_mm, budget)?;
             shape.check_work(job)?;
             if !cleared.is_empty() {
                 let emptied = cleared.at(z_mm, budget)?;
@@ -135,9 +186,9 @@ pub fn levels(job: &Job, budget: &Budget) -> Result<(Heights, Vec<Shape>, Vec<Le
             shapes.push(shape);
         }
         let leftover_mm = job.roughing_allowance_mm.map(|_| part.leftover_mm(top_z_mm, z_mm));
-        levels.push(Level { top_z_mm, z_mm, shape: shapes.len() - 1, leftover_mm });
+        levels.push(Level { top_z_mm, z_mm, shape: shapes.len() - 1, stage, leftover_mm });
     }
-    if shapes.iter().all(|shape| shape.centers.is_empty()) {
+    if shapes.iter().all(|shape| shape.room.centers.is_empty()) {
         let Some(pocket) = shapes.iter().map(|shape| &shape.pocket).find(|pocket| !pocket.is_empty()) else {
             return Err(PocketError::NothingToCut);
         };
@@ -146,48 +197,130 @@ pub fn levels(job: &Job, budget: &Budget) -> Result<(Heights, Vec<Shape>, Vec<Le
     Ok((heights, shapes, levels))
 }
 
-/// The top and the floor of each level, mm.
+/// The top and the floor of each level, mm. The levels are as deep as each other, unless an allowance makes
+/// them less deep.
 fn floors(job: &Job, part: &Part, top_z_mm: f64) -> Result<Vec<[f64; 2]>, PocketError> {
-    let mut floors = Vec::new();
-    let mut z = top_z_mm;
-    while z > job.floor_z_mm {
+    let floor_z_mm = job.floor_z_mm + job.floor_allowance_mm;
+    let mut floors: Vec<[f64; 2]> = Vec::new();
+    // The heights from which levels are counted evenly, so that rounding does not add up.
+    let (mut from, mut done) = (top_z_mm, 0);
+    while floors.last().map_or(top_z_mm, |last| last[1]) > floor_z_mm {
         if floors.len() >= MOST_LEVELS {
             return Err(PocketError::TooMuchWork { what: "levels", limit: MOST_LEVELS });
         }
-        let most = job.stepdown_max_mm;
-        let depth = job.roughing_allowance_mm.map_or(most, |allowance| part.depth_mm(z, most, allowance));
-        // As long as all levels are as deep as the stepdown, floors are counted from the top, so that
-        // rounding does not add up.
-        let next = if depth == most && floors.len() as f64 * most == top_z_mm - z {
-            top_z_mm - (floors.len() + 1) as f64 * most
+        let z = floors.last().map_or(top_z_mm, |last| last[1]);
+        let count = spaces(from - floor_z_mm, job.stepdown_max_mm + DEEPER_MM);
+        let even = if done + 1 >= count as usize {
+            floor_z_mm
         } else {
-            z - depth
+            from - (from - floor_z_mm) * ((done + 1) as f64 / count)
         };
-        let is_last = next <= job.floor_z_mm + ROUNDING * most;
-        let next = if is_last { job.floor_z_mm } else { next };
+        let depth = job.roughing_allowance_mm.map(|allowance| part.depth_mm(z, z - even, allowance));
+        let next = match depth {
+            Some(depth) if depth < z - even => {
+                (from, done) = (z - depth, 0);
+                z - depth
+            }
+            _ => {
+                done += 1;
+                even
+            }
+        };
         floors.push([z, next]);
-        z = next;
     }
     Ok(floors)
 }
 
+impl Room {
+    /// The room about `centers`, where the cutter's centre may be.
+    pub fn new(centers: Region, job: &Job, budget: &Budget) -> Result<Self, PocketError> {
+        let side_mm = job.side_mm();
+        let thickest_mm = THICKEST_LAYER * job.tool.radius_mm;
+        let is_layer_whole = job.stepover_mm <= thickest_mm;
+        let layer_mm = job.stepover_mm.min(thickest_mm).max(side_mm);
+        let safe = inside(&centers, side_mm, budget)?;
+        let inner = inside(&centers, layer_mm, budget)?;
+        Ok(Self { centers, safe, inner, is_layer_whole, side_mm })
+    }
+
+    /// The room with x negated.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let Self { centers, safe, inner, is_layer_whole, side_mm } = self;
+        Self {
+            centers: centers.mirrored(),
+            safe: safe.mirrored(),
+            inner: inner.mirrored(),
+            is_layer_whole: *is_layer_whole,
+            side_mm: *side_mm,
+        }
+    }
+}
+
+/// What of each part of a region is `distance_mm` inside, or as far as the part has room for.
+fn inside(region: &Region, distance_mm: f64, budget: &Budget) -> Result<Region, PocketError> {
+    if distance_mm == 0.0 {
+        return Ok(region.clone());
+    }
+    let whole = region.offset_inward(distance_mm, budget)?;
+    let mut all = vec![whole];
+    for part in region.parts() {
+        let mut distance = distance_mm;
+        for _ in 0..NARROWER {
+            let inner = part.offset_inward(distance, budget)?;
+            if !inner.is_empty() {
+                if distance < distance_mm {
+                    all.push(inner);
+                }
+                break;
+            }
+            distance *= 0.5;
+        }
+    }
+    if all.len() == 1 {
+        return Ok(all.swap_remove(0));
+    }
+    Ok(Region::union(&all.iter().collect::<Vec<_>>(), budget)?)
+}
+
 impl Shape {
+    /// The same places without an allowance on the walls, and what has been cut with it counts as emptied.
+    /// `job` is that of the pass that follows.
+    pub fn finished(
+        &self,
+        job: &Job,
+        emptied: Vec<Vec<Segment>>,
+        budget: &Budget,
+    ) -> Result<Self, PocketError> {
+        let (pocket, walls) = (self.pocket.clone(), self.walls.clone());
+        let mut shape = Self::new(pocket, walls, job, self.deviation_mm, budget)?;
+        shape.emptied = emptied;
+        Ok(shape)
+    }
+
     /// The shape of a level that clears `pocket` between `walls`, which may be wrong by `deviation_mm`.
     fn new(
         pocket: Region,
         walls: Region,
-        radius_mm: f64,
+        job: &Job,
         deviation_mm: f64,
         budget: &Budget,
     ) -> Result<Self, PocketError> {
-        let centers = pocket.offset_inward(radius_mm + deviation_mm, budget)?;
+        let radius_mm = job.tool.radius_mm;
+        let allowance_mm = job.allowance_mm;
+        let centers = pocket.centers_of_disc(radius_mm + deviation_mm + allowance_mm, WIDER_MM, budget)?;
+        // Where no ramp has room, the cutter cannot enter without a plunge.
+        let needed_mm =
+            if job.entry.plunge || job.entry.is_predrilled { 0.0 } else { SHORTEST_RAMP * radius_mm };
+        let centers = with_room(centers, needed_mm);
         let reach = centers.offset_outward(radius_mm, budget)?;
-        Ok(Self { pocket, walls, centers, reach, deviation_mm, emptied: Vec::new() })
+        let room = Room::new(centers, job, budget)?;
+        Ok(Self { pocket, walls, room, reach, deviation_mm, allowance_mm, emptied: Vec::new() })
     }
 
     /// About the length of a path that clears the shape, mm.
     pub fn path_length_mm(&self, stepover_mm: f64) -> f64 {
-        let edge: f64 = self.centers.outlines().flat_map(Outline::elements).map(Segment::length).sum();
+        let edge: f64 = self.room.centers.outlines().flat_map(Outline::elements).map(Segment::length).sum();
         edge + self.reach.area() / stepover_mm
     }
 
@@ -202,10 +335,11 @@ impl Shape {
 
     /// What the tool cannot reach.
     pub fn not_reached(&self, budget: &Budget) -> Result<Region, PocketError> {
-        if self.deviation_mm == 0.0 {
+        let kept_mm = self.deviation_mm + self.allowance_mm;
+        if kept_mm == 0.0 {
             return Ok(self.pocket.difference(&self.reach, budget)?);
         }
-        let reach = self.reach.offset_outward(self.deviation_mm, budget)?;
+        let reach = self.reach.offset_outward(kept_mm, budget)?;
         Ok(self.pocket.difference(&reach, budget)?)
     }
 
@@ -244,8 +378,7 @@ pub fn largest_places(not_reached: &Region, radius_mm: f64) -> Vec<Uncut> {
 
 /// The error of a tool that fits nowhere.
 fn too_large(pocket: &Region, radius_mm: f64, budget: &Budget) -> Result<PocketError, PocketError> {
-    let at = deepest(pocket, radius_mm, budget)?;
-    let largest_mm = 2.0 * pocket.distance_to_boundary(at);
+    let (largest_mm, at) = largest_disc(pocket, radius_mm, budget)?;
     Ok(PocketError::ToolTooLarge { diameter_mm: 2.0 * radius_mm, largest_mm, at })
 }
 

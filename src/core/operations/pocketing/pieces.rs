@@ -2,14 +2,23 @@
 
 use crate::budget::Stopped;
 use crate::geometry::segment::Segment;
-use crate::machining::engagement::Stretch;
+use crate::machining::engagement::{Stretch, straight_angle};
 
-/// Where the angle in the material is smaller, a stroke is not followed, radians. The material that stays
-/// there is thinner than a hundredth of the radius.
-const SLIVER: f64 = 0.1;
+/// Material beside a stroke that is thinner is left, mm, or as a part of the radius where that is less.
+const THINNEST_MM: f64 = 0.01;
+const THINNEST: f64 = 0.005;
+
+/// Beside arcs thinner material cannot be told from none, as a part of the radius: the chords that stand for
+/// arcs leave a thousandth.
+const TOLD_APART: f64 = 0.0015;
 
 /// Two pieces with a shorter way between them are cut as one piece, in cutter radii.
 const JOINED: f64 = 1.0;
+
+/// Material beside a stroke that is thinner is left, mm. All that is thicker is cut.
+pub fn thinnest_mm(radius_mm: f64) -> f64 {
+    THINNEST_MM.min(THINNEST * radius_mm).max(TOLD_APART * radius_mm)
+}
 
 /// How a stroke meets material.
 pub enum Pieces {
@@ -28,12 +37,13 @@ pub fn pieces(
     lead: f64,
     mut survey: impl FnMut(&Segment, f64) -> Result<Vec<Stretch>, Stopped>,
 ) -> Result<Pieces, Stopped> {
+    let sliver = straight_angle(radius_mm, thinnest_mm(radius_mm));
     let mut parts: Vec<(Segment, bool)> = Vec::new();
     for element in stroke {
-        for stretch in survey(element, SLIVER)? {
+        for stretch in survey(element, sliver)? {
             let part = element.part(stretch.from, stretch.to);
             if part.length() > 0.0 {
-                parts.push((part, stretch.angle > SLIVER));
+                parts.push((part, stretch.angle > sliver));
             }
         }
     }

@@ -7,7 +7,8 @@ use super::candidate::Route;
 use super::chain::from_above;
 use super::check::{Exception, Invalid};
 use super::conditions::Conditions;
-use super::job::{ChooseBy, Job, Pattern};
+use super::finish::Finished;
+use super::job::{ChooseBy, IslandsBy, Job, Pattern};
 use super::level::{Heights, Island, Level, Shape, Uncut, largest_places};
 use super::path;
 use crate::budget::Budget;
@@ -59,6 +60,9 @@ pub struct Candidate {
     pub engagement_max_deg: f64,
     /// Length on which this angle is larger than on a straight pass with the stepover, in mm.
     pub engagement_over_length_mm: f64,
+    /// How near to walls and islands the cutter comes on its way down, up and from cut to cut, in mm, beside
+    /// its radius and what is left for finishing; at most twice `clearance_side_mm`.
+    pub clearance_side_mm: f64,
     /// Where the pattern `engagement` exceeds 1.1 times the angle on a straight pass, in the order of the
     /// path. Absent for other patterns.
     #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
@@ -90,6 +94,39 @@ pub struct LevelReport {
     pub not_reached: Vec<Uncut>,
 }
 
+/// How much nearer to a wall than its radius a path may come before it is rounded, mm.
+const ROUNDING_MM: f64 = 1e-4;
+
+/// The passes along walls and islands over one depth, after all levels are cleared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketFinish))]
+pub struct FinishReport {
+    /// Height of the material's top, in mm.
+    pub top_z_mm: f64,
+    /// Height to which the passes go, in mm.
+    pub z_mm: f64,
+    /// Number of passes along each wall and island, spring passes included.
+    pub n_passes: usize,
+    /// Area in the tool's reach that the passes leave uncut, in mm2.
+    pub uncut_area_mm2: f64,
+    /// How near to walls and islands the cutter comes on its way down, up and from cut to cut, in mm, beside
+    /// its radius and what is left; at most twice `clearance_side_mm`.
+    pub clearance_side_mm: f64,
+}
+
+/// What stands on walls and floor after the program, where the tool reaches.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketLeft))]
+pub struct Left {
+    /// Proved least thickness on walls and islands, in mm, after rounding to the program's decimals.
+    pub walls_min_mm: f64,
+    /// Largest thickness on walls and islands beside the pass along them, in mm, after rounding to the
+    /// program's decimals.
+    pub walls_max_mm: f64,
+    /// Thickness on the floor, in mm.
+    pub floor_mm: f64,
+}
+
 /// The outlines of a level, for pictures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelOutlines {
@@ -106,6 +143,14 @@ pub struct LevelOutlines {
 pub struct Report {
     /// The levels, from the top down.
     pub levels: Vec<LevelReport>,
+    /// The passes that finish walls and islands, from the top down.
+    pub finish: Vec<FinishReport>,
+    /// What stands after the program.
+    pub left: Left,
+    /// How near to walls and islands the cutter comes on its way down, up and from cut to cut, in mm, beside
+    /// its radius and what is left; at most twice `clearance_side_mm`. `null` without a cut.
+    #[cfg_attr(feature = "wire", schema(required))]
+    pub clearance_side_mm: Option<f64>,
     /// Time of all moves at their feeds, in s.
     pub total_time_s: f64,
     /// Area that stays uncut, summed over the levels, in mm2: what the tool cannot reach, and what the chosen
@@ -150,6 +195,7 @@ impl Candidate {
             uncut_area_mm2: check.uncut_area_mm2,
             engagement_max_deg: check.engagement_max.to_degrees(),
             engagement_over_length_mm: check.engagement_over_length_mm,
+            clearance_side_mm: check.side_mm,
             engagement_exceptions: (pattern == Pattern::Engagement).then(|| check.exceptions.clone()),
         })
     }
@@ -171,6 +217,7 @@ impl Candidate {
             uncut_area_mm2: 0.0,
             engagement_max_deg: 0.0,
             engagement_over_length_mm: 0.0,
+            clearance_side_mm: 0.0,
             engagement_exceptions: (pattern == Pattern::Engagement).then(Vec::new),
         }
     }
@@ -219,12 +266,39 @@ impl LevelReport {
     }
 
     fn uncut_mm2(&self) -> f64 {
-        let chosen = self.candidates.iter().find(|candidate| Some(candidate.pattern) == self.chosen);
-        self.not_reached_area_mm2 + chosen.map_or(0.0, |candidate| candidate.uncut_area_mm2)
+        self.not_reached_area_mm2 + self.chosen().map_or(0.0, |candidate| candidate.uncut_area_mm2)
+    }
+
+    /// The figures of the chosen pattern.
+    fn chosen(&self) -> Option<&Candidate> {
+        self.candidates.iter().find(|candidate| Some(candidate.pattern) == self.chosen)
+    }
+}
+
+impl FinishReport {
+    fn new(finished: &Finished) -> Self {
+        Self {
+            top_z_mm: finished.top_z_mm,
+            z_mm: finished.z_mm,
+            n_passes: finished.passes.len(),
+            uncut_area_mm2: finished.check.uncut_area_mm2,
+            clearance_side_mm: finished.check.side_mm,
+        }
     }
 }
 
 impl Report {
+    /// Fills in what is left by the passes that finish walls, and the least distance from walls.
+    pub fn finish_with(&mut self, finished: &[Finished], job: &Job) {
+        self.finish = finished.iter().map(FinishReport::new).collect();
+        let chosen = self.levels.iter().filter_map(LevelReport::chosen).map(|level| level.clearance_side_mm);
+        let sides = chosen.chain(self.finish.iter().map(|finish| finish.clearance_side_mm));
+        self.clearance_side_mm = sides.min_by(f64::total_cmp);
+        let on_walls = if job.finishing_walls().is_some() { 0.0 } else { job.allowance_mm };
+        let on_floor = if job.finishing_floor().is_some() { 0.0 } else { job.floor_allowance_mm };
+        self.left = Left { walls_min_mm: on_walls, walls_max_mm: on_walls, floor_mm: on_floor };
+    }
+
     /// Fills in the figures of the whole toolpath.
     pub fn finish(
         &mut self,
@@ -239,24 +313,45 @@ impl Report {
         self.uncut_area_mm2 = self.levels.iter().map(LevelReport::uncut_mm2).sum();
         // Above the places of a relief that are not higher than the level.
         self.gouge_max_mm = heights.overlap_mm;
+        let (mut nearest_mm, mut displacement_mm) = (self.left.walls_min_mm, 0.0_f64);
         for pass in toolpath.passes() {
             let Some(level) = pass.level().and_then(|k| levels.get(k as usize)) else { continue };
             for step in pass.moves() {
                 if let Move::Feed { along, .. } = step {
-                    let depth = gouge(along, &shapes[level.shape].walls, heights.deviation_mm, job)?;
-                    self.gouge_max_mm = self.gouge_max_mm.max(depth);
+                    let near = beside(along, &shapes[level.shape].walls, heights.deviation_mm, job)?;
+                    self.gouge_max_mm = self.gouge_max_mm.max(-near.distance_mm);
+                    nearest_mm = nearest_mm.min(near.distance_mm);
+                    displacement_mm = displacement_mm.max(near.displacement_mm);
                 }
             }
         }
+        // A path that was found to keep away from walls comes nearer by rounding alone.
+        let by_rounding_mm = heights.overlap_mm + 2.0 * heights.deviation_mm + displacement_mm + ROUNDING_MM;
+        if self.gouge_max_mm > by_rounding_mm && job.islands_by == IslandsBy::Slicing {
+            let because = format!("as it is written it cuts {:.4} mm into a wall", self.gouge_max_mm);
+            return Err(PocketError::NoneValid { because });
+        }
+        self.left.walls_min_mm = nearest_mm.max(0.0);
+        self.left.walls_max_mm += 2.0 * heights.deviation_mm + displacement_mm;
         Ok(())
     }
 }
 
-/// Bound of the depth to which the cutter cuts into walls along a curve as it is written, mm. The walls may
-/// be wrong by `deviation_mm`.
-fn gouge(along: &Curve, walls: &Region, deviation_mm: f64, job: &Job) -> Result<f64, PocketError> {
+/// How near a curve brings the cutter to walls.
+struct Beside {
+    /// Lower bound of the distance between the cutter and the walls, mm; negative in a wall, and no larger
+    /// than the allowance.
+    distance_mm: f64,
+    /// How far rounding moves the curve, mm.
+    displacement_mm: f64,
+}
+
+/// How near the cutter comes to walls along a curve as it is written. The walls may be wrong by
+/// `deviation_mm`.
+fn beside(along: &Curve, walls: &Region, deviation_mm: f64, job: &Job) -> Result<Beside, PocketError> {
     let rounded = quantize::round(along, job.resolution, &job.curves)?;
+    let reach = job.tool.radius_mm + deviation_mm + rounded.displacement_mm;
     // A curve that is not near any wall may be left out.
-    let bound = job.tool.radius_mm + deviation_mm + rounded.displacement_mm;
-    Ok((bound - walls.clearance(&from_above(along), bound)).max(0.0))
+    let clearance = walls.clearance(&from_above(along), reach + job.allowance_mm);
+    Ok(Beside { distance_mm: clearance - reach, displacement_mm: rounded.displacement_mm })
 }

@@ -205,16 +205,3 @@ fn cut_loops(face: &Region, router: &mut Router, is_inside: bool) -> Result<(), 
     }
     Ok(())
 }
-
-/// Cuts along all walls and islands, the nearest part first.
-pub fn cut_walls(centers: &Region, router: &mut Router) -> Result<(), PocketError> {
-    let mut left = centers.parts();
-    while !left.is_empty() {
-        let k = router.at().map_or(0, |at| {
-            let distance = |part: &Region| part.distance_to_boundary(at);
-            (0..left.len()).min_by(|a, b| distance(&left[*a]).total_cmp(&distance(&left[*b]))).unwrap_or(0)
-        });
-        cut_loops(&left.remove(k), router, false)?;
-    }
-    Ok(())
-}

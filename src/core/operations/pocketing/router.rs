@@ -1,20 +1,24 @@
 //! Joins strokes into runs: chooses where closed strokes begin, how the cutter gets from one stroke to the
 //! next, and where it comes down.
 
+mod approach;
+mod enter;
+mod parts;
+
 use nalgebra::{Point2, Vector2};
 
 use super::PocketError;
-use super::chain::{begun_at, foot, nearest};
+use super::chain::{begun_at, nearest};
 use super::conditions::Conditions;
-use super::depth::deepest;
 use super::entry::{self, Entry};
-use super::leads::{belt, lead_to};
+use super::links::{Links, Pose};
 use super::pieces::{Pieces, pieces};
 use super::work;
 use crate::budget::Budget;
 use crate::geometry::region::Region;
-use crate::geometry::segment::Segment;
+use crate::geometry::segment::{Segment, left};
 use crate::machining::engagement::{Enough, Stretch, Swept};
+use parts::Place;
 
 /// Where the cutter comes straight down, at most a rim of this width is not cleared, mm.
 const OPEN_MARGIN_MM: f64 = 0.05;
@@ -32,13 +36,14 @@ const STARTS: usize = 24;
 /// differ by rounding, which must not choose between them.
 const LARGER_MM: f64 = 1e-6;
 
-/// The longest way through material from one stroke to the next, in stepovers.
-const THROUGH: f64 = 2.0;
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     Cut,
     Link,
+    /// The way to the start of a pass along a wall, through what that pass cuts.
+    LeadIn,
+    /// The way from its end.
+    LeadOut,
 }
 
 /// One motion at the level's floor, with the angles in material along it.
@@ -58,6 +63,11 @@ pub struct Run {
 }
 
 impl Run {
+    /// Where the cutter comes down and where it is lifted.
+    pub fn ends(&self) -> [Point2<f64>; 2] {
+        [self.start, self.steps.last().map_or(self.start, |step| step.element.end())]
+    }
+
     /// The run with x negated.
     #[must_use]
     pub fn mirrored(&self) -> Self {
@@ -78,11 +88,14 @@ pub struct Router<'a> {
     pub conditions: &'a Conditions,
     centers: &'a Region,
     swept: Swept,
+    links: Links<'a>,
     /// Whether earlier tools have emptied some of the pocket: then only the rest is cut.
     is_rest: bool,
     runs: Vec<Run>,
     /// The centre of the circle on which the cutter may leave the last cut.
     leaving: Option<Point2<f64>>,
+    /// The connected parts of the region of centres, from the first entry on.
+    parts: Option<Vec<Place>>,
     budget: &'a Budget,
 }
 
@@ -95,14 +108,20 @@ impl<'a> Router<'a> {
         budget: &'a Budget,
     ) -> Self {
         let mut swept = Swept::new(conditions.radius_mm);
-        emptied.iter().flatten().for_each(|element| swept.push(element));
+        let mut links = Links::new(centers, conditions.radius_mm);
+        for element in emptied.iter().flatten() {
+            swept.push(element);
+            links.sweep(element);
+        }
         Self {
             conditions,
             centers,
             swept,
+            links,
             is_rest: !emptied.is_empty(),
             runs: Vec::new(),
             leaving: None,
+            parts: None,
             budget,
         }
     }
@@ -119,6 +138,20 @@ impl<'a> Router<'a> {
     pub fn at(&self) -> Option<Point2<f64>> {
         let run = self.runs.last()?;
         Some(run.steps.last().map_or(run.start, |step| step.element.end()))
+    }
+
+    /// From now on the centre may be in another region.
+    pub fn move_within(&mut self, centers: &'a Region) {
+        if !std::ptr::eq(self.centers, centers) {
+            self.centers = centers;
+            self.parts = None;
+            self.links.move_within(centers);
+        }
+    }
+
+    /// Whether the cutter may come straight down at a place.
+    pub fn is_free(&mut self, p: Point2<f64>) -> bool {
+        self.swept.is_free(p, OPEN_MARGIN_MM)
     }
 
     pub fn is_rest(&self) -> bool {
@@ -139,6 +172,9 @@ impl<'a> Router<'a> {
                 return self.follow(&begun, Purpose::Cut);
             }
         }
+        if self.is_left_out(elements[0].start())? {
+            return Ok(());
+        }
         // A new entry: where the largest helix fits.
         let mut best: Option<(f64, Vec<Segment>)> = None;
         let stride = elements.len().div_ceil(STARTS);
@@ -153,8 +189,7 @@ impl<'a> Router<'a> {
             }
         }
         let Some((_, begun)) = best else { return Ok(()) };
-        self.enter(&begun)?;
-        self.follow(&begun, Purpose::Cut)
+        if self.enter(&begun)? { self.follow(&begun, Purpose::Cut) } else { Ok(()) }
     }
 
     /// Cuts along an open chain.
@@ -181,10 +216,9 @@ impl<'a> Router<'a> {
 
     fn cut_all(&mut self, chains: &[Vec<Segment>]) -> Result<(), PocketError> {
         for chain in chains {
-            if !self.approach(chain)? {
-                self.enter(chain)?;
+            if self.come_to(chain)? {
+                self.follow(chain, Purpose::Cut)?;
             }
-            self.follow(chain, Purpose::Cut)?;
         }
         Ok(())
     }
@@ -233,14 +267,13 @@ impl<'a> Router<'a> {
     }
 
     /// Where the cutter is, and the direction in which it came there.
-    pub fn heading(&self) -> Option<(Point2<f64>, Vector2<f64>)> {
+    pub fn heading(&self) -> Option<Pose> {
         let run = self.runs.last()?;
         match (run.steps.last(), &run.entry) {
-            (Some(step), _) => Some((step.element.end(), step.element.direction(1.0))),
+            (Some(step), _) => Some(Pose::after(&step.element)),
             (None, Entry::Helix { center, is_left }) => {
-                let spoke = run.start - center;
                 let sense = if *is_left { 1.0 } else { -1.0 };
-                Some((run.start, Vector2::new(-spoke.y, spoke.x).normalize() * sense))
+                Some(Pose { at: run.start, along: left(run.start - center).normalize() * sense })
             }
             _ => None,
         }
@@ -251,103 +284,17 @@ impl<'a> Router<'a> {
         elements.iter().all(|element| self.centers.contains(element, BESIDE_MM))
     }
 
-    /// Says that the cutter may leave the last cut on the circle about this centre, to the left.
-    pub fn leave_about(&mut self, center: Point2<f64>) {
-        self.leaving = Some(center);
-    }
-
-    /// Comes to `start` on the circle about `center`, to the left: by a link from the last cut along two
-    /// arcs and the line that touches both, or by a lift, whichever is allowed and faster.
-    pub fn lead_to(&mut self, start: Point2<f64>, center: Point2<f64>) -> Result<(), PocketError> {
-        let leaving = self.leaving.take();
-        if let (Some(from), Some(at)) = (leaving, self.at()) {
-            let belt = belt([at, start], [from, center]);
-            let length: f64 = belt.iter().map(Segment::length).sum();
-            let is_fast = self.conditions.link_seconds(length) <= self.conditions.lift_seconds(length);
-            if is_fast && !belt.is_empty() && self.is_allowed(&belt) && self.are_clear(&belt)? {
-                return self.follow(&belt, Purpose::Link);
-            }
-        }
-        let lead = lead_to(start, center);
-        if self.is_allowed(&[lead]) && self.swept.is_free(lead.start(), OPEN_MARGIN_MM) {
-            self.begin(lead.start(), Entry::Open);
-            return self.follow(&[lead], Purpose::Cut);
-        }
-        self.cut_chain(&[Segment::Line { start, end: start }])
-    }
-
     /// The angle in material at a place, in a direction of motion.
     pub fn angle_at(&mut self, p: Point2<f64>, along: Vector2<f64>) -> f64 {
         self.swept.angle_at(p, along)
     }
 
+    /// Whether all these elements run over cleared ground.
     fn are_clear(&mut self, elements: &[Segment]) -> Result<bool, PocketError> {
         for element in elements.iter().filter(|element| element.length() > 0.0) {
             if !self.is_clear(element)? {
                 return Ok(false);
             }
-        }
-        Ok(true)
-    }
-
-    /// Goes to the start of a stroke if it can be reached without an entry into the full material.
-    fn approach(&mut self, stroke: &[Segment]) -> Result<bool, PocketError> {
-        let Some(at) = self.at() else { return Ok(false) };
-        let start = stroke[0].start();
-        if at == start {
-            return Ok(true);
-        }
-        let straight = Segment::Line { start: at, end: start };
-        let length = straight.length();
-        let is_allowed = self.centers.contains(&straight, BESIDE_MM);
-        if is_allowed && self.is_clear(&straight)? {
-            if self.conditions.link_seconds(length) <= self.conditions.lift_seconds(length)
-                || !self.swept.is_free(start, OPEN_MARGIN_MM)
-            {
-                self.follow(&[straight], Purpose::Link)?;
-            } else {
-                self.begin(start, Entry::Open);
-            }
-            return Ok(true);
-        }
-        let conditions = self.conditions;
-        let through = THROUGH * conditions.stepover_mm;
-        if is_allowed && length <= through {
-            self.follow(&[straight], Purpose::Cut)?;
-            return Ok(true);
-        }
-        // From a place on the path so far that is near.
-        let mut nearest: Option<(f64, Point2<f64>)> = None;
-        for element in self.runs.iter().flat_map(|run| &run.steps).map(|step| &step.element) {
-            let (distance, place) = foot(element, start);
-            if distance <= through && nearest.is_none_or(|(least, _)| distance < least) {
-                let way = Segment::Line { start: place, end: start };
-                if distance <= BESIDE_MM || self.centers.contains(&way, BESIDE_MM) {
-                    nearest = Some((distance, place));
-                }
-            }
-        }
-        let Some((distance, place)) = nearest else {
-            if self.is_rest && self.swept.is_free(start, OPEN_MARGIN_MM) {
-                return Ok(false);
-            }
-            let seconds = length / conditions.slot_feed.mm_per_s();
-            let is_fast = seconds <= conditions.lift_seconds(length) + conditions.entry_seconds();
-            if is_allowed && is_fast {
-                self.follow(&[straight], Purpose::Cut)?;
-            }
-            return Ok(is_allowed && is_fast);
-        };
-        let link = Segment::Line { start: at, end: place };
-        let length = link.length();
-        let is_fast = self.conditions.link_seconds(length) <= self.conditions.lift_seconds(length);
-        if length > 0.0 && is_fast && self.centers.contains(&link, BESIDE_MM) && self.is_clear(&link)? {
-            self.follow(&[link], Purpose::Link)?;
-        } else if length > 0.0 {
-            self.begin(place, Entry::Open);
-        }
-        if distance > 0.0 {
-            self.follow(&[Segment::Line { start: place, end: start }], Purpose::Cut)?;
         }
         Ok(true)
     }
@@ -363,42 +310,10 @@ impl<'a> Router<'a> {
         Ok(self.swept.is_clear(link, self.budget)?)
     }
 
-    /// Comes down into the material at the start of a stroke.
-    fn enter(&mut self, stroke: &[Segment]) -> Result<(), PocketError> {
-        let start = stroke[0].start();
-        if self.is_rest && self.swept.is_free(start, OPEN_MARGIN_MM) {
-            self.begin(start, Entry::Open);
-            return Ok(());
-        }
-        let helix = entry::helix(start, stroke[0].direction(0.0), self.centers, self.conditions);
-        let entry = match helix {
-            Some((_, entry)) => entry,
-            None => match entry::ramp(stroke, self.conditions) {
-                Some(entry) => entry,
-                None => return Err(self.no_entry(start)?),
-            },
-        };
-        self.begin(start, entry);
-        Ok(())
-    }
-
-    /// The error where the cutter cannot come down, with the largest tool that can.
-    fn no_entry(&self, at: Point2<f64>) -> Result<PocketError, PocketError> {
-        let conditions = self.conditions;
-        let parts = self.centers.parts();
-        let here =
-            parts.iter().min_by(|a, b| a.distance_to_boundary(at).total_cmp(&b.distance_to_boundary(at)));
-        let room = here.map_or(Ok(0.0), |part| {
-            deepest(part, conditions.radius_mm, self.budget).map(|place| part.distance_to_boundary(place))
-        })?;
-        let least_mm = conditions.entry.min_diameter_mm;
-        let largest_mm = (2.0 * (conditions.radius_mm + room) - least_mm).max(0.0);
-        Ok(PocketError::NoEntry { at, least_mm, largest_mm })
-    }
-
     pub fn begin(&mut self, start: Point2<f64>, entry: Entry) {
         for element in entry.footprint(start) {
             self.swept.push(&element);
+            self.links.sweep(&element);
         }
         self.runs.push(Run { start, entry, steps: Vec::new() });
     }
@@ -407,10 +322,13 @@ impl<'a> Router<'a> {
         for element in elements.iter().filter(|element| element.length() > 0.0) {
             self.check_work()?;
             let enough = match purpose {
-                Purpose::Cut => Enough::Angle(self.conditions.slot_angle),
                 Purpose::Link => Enough::Clear,
+                _ => Enough::Angle(self.conditions.slot_angle),
             };
             let angles = self.swept.follow(element, enough, self.budget)?;
+            if purpose != Purpose::Link {
+                self.links.sweep(element);
+            }
             if let Some(run) = self.runs.last_mut() {
                 run.steps.push(Step { element: *element, purpose, angles });
             }
@@ -418,3 +336,6 @@ impl<'a> Router<'a> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

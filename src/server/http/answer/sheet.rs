@@ -108,13 +108,22 @@ fn shape(tool: &Tool) -> (&'static str, String) {
         Shape::BullNose { corner_radius_mm } => {
             ("bull nose", format!(", corner radius {corner_radius_mm} mm"))
         }
+        Shape::V { tip_angle_deg, tip_diameter_mm } => {
+            ("v", format!(", tip angle {tip_angle_deg} degrees, tip diameter {tip_diameter_mm} mm"))
+        }
+        Shape::Cone { taper_angle_deg, tip_diameter_mm } => {
+            ("cone", format!(", taper {taper_angle_deg} degrees, tip diameter {tip_diameter_mm} mm"))
+        }
+        Shape::Drill { point_angle_deg } => {
+            ("drill", point_angle_deg.map_or(String::new(), |deg| format!(", point angle {deg} degrees")))
+        }
     }
 }
 
 fn tool_line(tool: &Tool) -> String {
-    let (shape, corner) = shape(tool);
+    let (shape, more) = shape(tool);
     let (number, length_offset) = tool.places();
-    format!("tool T{number} H{length_offset}: {shape}, diameter {} mm{corner}", 2.0 * tool.radius_mm)
+    format!("tool T{number} H{length_offset}: {shape}, diameter {} mm{more}", 2.0 * tool.radius_mm)
 }
 
 fn driving_lines(cutting: &Cutting) -> [String; 3] {
@@ -144,8 +153,12 @@ pub fn told_in_program(warnings: &[Warning]) -> Vec<String> {
     told(&others.collect::<Vec<_>>())
 }
 
-/// The texts of the caller's `meta` and the comments of the operation.
+/// The texts of the caller's `meta`, what is told of the tool, and the comments of the operation.
 pub fn notes<R, P: Product>(outcome: &Outcome<R, P>) -> Vec<String> {
-    let comments = outcome.product.cut().into_iter().flat_map(|cut| &cut.comments).cloned();
-    meta::notes(outcome.meta.as_ref()).chain(comments).collect()
+    let mut notes: Vec<String> = meta::notes(outcome.meta.as_ref()).collect();
+    if let Some(cut) = outcome.product.cut() {
+        notes.extend(cut.setup.body.note());
+        notes.extend(cut.comments.iter().cloned());
+    }
+    notes
 }

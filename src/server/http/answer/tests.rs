@@ -29,13 +29,13 @@ fn cut() -> Cut {
         cutting: Some(CuttingRequest::at_feed(rate).at_heights(20.0, 2.0)),
         setup: Setup {
             tool: Some(Tool::ball(3.0)),
-            program: Program {
-                name: Some("die".to_owned()),
-                ..Program::plain(Resolution { units: Units::Mm, decimals: 3 })
-            },
-            dialect: toolpathd_post::DIALECTS[0],
-            five_axes: None,
-            called: None,
+            ..Setup::of_program(
+                toolpathd_post::DIALECTS[0],
+                Program {
+                    name: Some("die".to_owned()),
+                    ..Program::plain(Resolution { units: Units::Mm, decimals: 3 })
+                },
+            )
         },
         comments: vec!["PROVED".to_owned()],
         nc: None,
@@ -47,7 +47,7 @@ fn written_cut() -> Cut {
 }
 
 fn outcome<P>(product: P) -> Outcome<Report, P> {
-    let warning = Warning { code: WarningCode::StripLeft, detail: "far".to_owned() };
+    let warning = Warning::new(WarningCode::StripLeft, "far".to_owned());
     Outcome {
         meta: Some([("part_id".to_owned(), "7 <b>".to_owned())].into()),
         warnings: vec![warning],

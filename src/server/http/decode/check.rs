@@ -22,6 +22,8 @@ pub struct Range {
 impl Range {
     /// Legal lengths, feeds and speeds.
     pub const POSITIVE: Range = Range { min: MIN_POSITIVE, max: MAX_MAGNITUDE_MM };
+    /// Legal lengths that may be nothing.
+    pub const NOT_NEGATIVE: Range = Range { min: 0.0, max: MAX_MAGNITUDE_MM };
     /// Legal heights and coordinates.
     pub const COORDINATE: Range = Range { min: -MAX_MAGNITUDE_MM, max: MAX_MAGNITUDE_MM };
 

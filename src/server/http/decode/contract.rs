@@ -102,10 +102,6 @@ impl Contract {
     fn without_null<'a>(&'a self, name: &'a str, schema: &'a Schema) -> Option<(&'a str, &'a Schema)> {
         match schema {
             Schema::OneOf(OneOf { discriminator: None, items, .. }) => {
-                let is_null = |item: &&RefOr<Schema>| match item {
-                    RefOr::T(Schema::Object(object)) => type_of(&object.schema_type) == Type::Null,
-                    _ => false,
-                };
                 self.resolved(items.iter().find(|item| !is_null(item))?)
             }
             schema => Some((name, schema)),
@@ -124,11 +120,24 @@ impl Contract {
                 }
             }
         };
-        let choices = match own {
-            Some(Schema::OneOf(OneOf { discriminator: None, items, .. })) => items.as_slice(),
-            _ => &[],
+        let Some(Schema::OneOf(OneOf { discriminator: None, items, .. })) = own else {
+            return Asked { usual: self.resolved(schema), choices: &[] };
         };
-        Asked { usual: self.resolved(schema), choices }
+        let mut others = items.iter().filter(|item| !is_null(item));
+        match (others.next(), others.next()) {
+            // The schema allows `null` besides another schema, which may have choices of its own.
+            (Some(other), None) if items.len() > 1 => self.asked(other),
+            _ => Asked { usual: self.resolved(schema), choices: items },
+        }
+    }
+
+    /// The schema of an object among those that are asked for.
+    fn object_of<'a>(&'a self, asked: &Asked<'a>) -> Option<&'a Object> {
+        let chosen = asked.choices.iter().map(|choice| self.resolved(choice));
+        std::iter::once(asked.usual).chain(chosen).flatten().find_map(|(_, schema)| match schema {
+            Schema::Object(object) if type_of(&object.schema_type) == Type::Object => Some(object),
+            _ => None,
+        })
     }
 
     /// What a schema expects, for people.
@@ -157,6 +166,14 @@ impl Contract {
             }
             _ => format!("an array of {length}"),
         }
+    }
+}
+
+/// Whether a schema allows `null` alone.
+fn is_null(schema: &RefOr<Schema>) -> bool {
+    match schema {
+        RefOr::T(Schema::Object(object)) => type_of(&object.schema_type) == Type::Null,
+        _ => false,
     }
 }
 

@@ -203,8 +203,9 @@ impl IntoJob for FitRequest {
             violations.add(&root.field("plane"), FieldCode::Conflict, detail);
         }
         violations.number(&root.field("tolerance_mm"), tolerance_mm, TOLERANCES, "mm");
+        let body = tool.as_ref().map(Tool::body).unwrap_or_default();
         let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
-        let sent = SentSetup { tool, cutting, program, meta };
+        let sent = SentSetup { tool, body, cutting, program, meta };
         let (setup, cutting, meta) = sent.convert(&mut violations);
         violations.result()?;
 

@@ -33,8 +33,10 @@ pub struct Cutting {
     /// Feed of lead-outs, in mm/min. Default: `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     lead_out_feed_mm_per_min: Option<f64>,
-    /// Feed where the cutter is deeper in the material than on a straight pass with the stepover, as in a
-    /// slot or an inside corner, in mm/min. Only `/v1/pockets/plan` uses it. Default: `feed_mm_per_min`.
+    /// Feed where the angle of the cutter in the material is more than 1.1 times that of a straight pass, as
+    /// in a slot or an inside corner, in mm/min. Only `/v1/pockets/plan` uses it. Default: in four steps down
+    /// to 0.4 of `feed_mm_per_min`, over equal ranges of the angle; with `choose_by: paper_time`
+    /// `feed_mm_per_min`.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     slot_feed_mm_per_min: Option<f64>,
     /// The machine's traverse rate, in mm/min. Only times depend on the traverse rate.

@@ -59,7 +59,7 @@ impl IntoJob for DropRequest {
         let root = Pointer::root();
         let mut violations = Violations::default();
         surface.check(&root.field("surface"), limits, &mut violations);
-        let tool = tool.convert(&root.field("tool"), &mut violations);
+        let tool = tool.convert_mill(&root.field("tool"), &mut violations);
         check_points(&points, &root.field("points"), limits, &mut violations);
         meta::check(meta.as_ref(), &mut violations);
         violations.result()?;

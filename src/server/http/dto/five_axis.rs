@@ -194,9 +194,10 @@ impl IntoJob for SmoothRequest {
             .filter(|_| is_known)
             .map(|sent| sent.convert(&root.field("limits"), machine.as_ref(), &mut violations));
         let has_program = program.is_some() || cutting.is_some() || tool.is_some() || axis_output.is_some();
-        let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
+        let body = tool.as_ref().map(Tool::body).unwrap_or_default();
+        let tool = tool.map(|tool| tool.convert_mill(&root.field("tool"), &mut violations));
         let swing_mm = tool.map_or(0.0, |tool| tool.swing_mm());
-        let sent = SentSetup { tool, cutting, program: program.unwrap_or_default(), meta };
+        let sent = SentSetup { tool, body, cutting, program: program.unwrap_or_default(), meta };
         let (mut setup, cutting, meta) = sent.convert(&mut violations);
         if !is_known {
             return Err(violations.into_error());

@@ -246,7 +246,12 @@ impl IntoJob for InterpolateRequest {
         }
         violations.integer(&root.field("initial_elements"), initial_elements, INITIAL_ELEMENTS);
         let (band, widths) = band.convert(&root.field("band"), &mut violations);
-        let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
+        let body = tool.as_ref().map(Tool::body).unwrap_or_default();
+        let convert = match compensation {
+            Compensation::None => Tool::convert,
+            Compensation::Left | Compensation::Right => Tool::convert_mill,
+        };
+        let tool = tool.map(|tool| convert(&tool, &root.field("tool"), &mut violations));
         let side = match compensation {
             Compensation::None => None,
             Compensation::Left => Some(core::Side::Left),
@@ -257,7 +262,7 @@ impl IntoJob for InterpolateRequest {
             violations.add(&root.field("tool"), FieldCode::MissingField, detail);
         }
         violations.optional(&root.field("z_mm"), z_mm, HEIGHTS, "mm");
-        let sent = SentSetup { tool, cutting, program, meta };
+        let sent = SentSetup { tool, body, cutting, program, meta };
         let (setup, cutting, meta) = sent.convert(&mut violations);
         violations.result()?;
 

@@ -6,9 +6,10 @@ use utoipa::ToSchema;
 use super::approach::{Entry, Exit, Stock};
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
+use super::machine_abilities::MachineAbilities;
 use super::meta::{Meta, MetaTexts};
 use super::program::Program;
-use super::setup::{JobWithSetup, SentSetup};
+use super::setup::{self, JobWithSetup, SentSetup};
 use super::strategy::{Sections, Strategy};
 use super::surface::Surface;
 use super::tool::Tool;
@@ -72,6 +73,9 @@ pub struct MillRequest {
     entry: Option<Entry>,
     /// How the cutter leaves a pass of `cl_cartesian`. Default: straight up.
     exit: Option<Exit>,
+    /// What the machine can do. Default: nothing is assumed.
+    #[serde(default, deserialize_with = "object::required")]
+    machine: MachineAbilities,
     /// Feeds, spindle, coolant and heights.
     #[serde(deserialize_with = "object::required")]
     cutting: Cutting,
@@ -147,6 +151,7 @@ impl IntoJob for MillRequest {
             stock,
             entry,
             exit,
+            machine,
             cutting,
             program,
             meta,
@@ -158,7 +163,7 @@ impl IntoJob for MillRequest {
         if let (Strategy::ClCartesian(_), Engine::OffsetSection) = (&strategy, engine) {
             tool.check_is_ball(&root.field("tool"), &mut violations);
         }
-        let checked_tool = tool.convert(&root.field("tool"), &mut violations);
+        let checked_tool = tool.convert_mill(&root.field("tool"), &mut violations);
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         check_size(&root.field("surface"), extent, &tool, &mut violations);
@@ -178,8 +183,14 @@ impl IntoJob for MillRequest {
         let stock = stock.map(|stock| stock.convert(&root.field("stock"), &mut violations));
         let entry = entry.map(|entry| entry.convert(&root.field("entry"), &mut violations));
         let exit = exit.map(|exit| exit.convert(&root.field("exit"), &mut violations));
-        let sent = SentSetup { tool: Some(checked_tool), cutting: Some(cutting), program, meta };
-        let (setup, cutting, meta) = sent.convert(&mut violations);
+        let sent =
+            SentSetup { tool: Some(checked_tool), body: tool.body(), cutting: Some(cutting), program, meta };
+        let (mut setup, cutting, meta) = sent.convert(&mut violations);
+        let max_rpm = machine.max_rpm(&root.field("machine"), &mut violations);
+        if let Some(cutting) = &cutting {
+            setup::check_machine_speed(cutting, max_rpm, &mut violations);
+        }
+        setup.remarks.extend(Warning::tolerance_coarse(tolerance_mm, checked_tool.radius_mm));
         let (Some(tolerance), Some(cutting), Some(sections)) =
             (Tolerance::from_mm(tolerance_mm), cutting, sections)
         else {

@@ -1,32 +1,40 @@
-//! Outlines of pockets in requests: closed chains of lines and arcs.
+//! Outlines in requests: closed chains of lines and arcs, as vertices or as a section curve.
+
+mod vertex;
+
+mod weld;
 
 use std::fmt;
 
-use nalgebra::Point2;
-use serde::de::{Error, IgnoredAny, SeqAccess, Visitor};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Error, IntoDeserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use utoipa::openapi::RefOr;
-use utoipa::openapi::schema::Schema;
+use utoipa::openapi::schema::{ObjectBuilder, OneOfBuilder, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
-use super::check::{Range, Violations};
-use super::schema::{array_of, number, reference, schema_of};
+use super::check::Violations;
+use super::schema::{array_of, reference, schema_of};
+use super::surface::{Room, SectionText};
 use crate::config::Limits;
+use crate::http::error::FieldCode;
+use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
+use toolpathd_core::geometry::profile::Shape;
 use toolpathd_core::geometry::segment::Segment;
+use toolpathd_core::language::section_curve::TEXT_LIMIT;
 use toolpathd_core::operations::pocketing as core;
-
-/// Legal bulges: an arc of nearly a full turn has a bulge of 1000.
-const BULGE: Range = Range { min: -1000.0, max: 1000.0 };
+pub use vertex::Vertex;
 
 /// The most islands of a pocket.
 const MAX_ISLANDS: usize = 10_000;
 
-/// A vertex of an outline, with the bulge of the element from it to the next vertex.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vertex {
-    at: [f64; 2],
-    bulge: Option<f64>,
+/// A closed outline.
+#[derive(Debug)]
+pub enum Outline {
+    Vertices(Vec<Vertex>),
+    /// A section curve, which a straight line closes.
+    Text(SectionText),
 }
 
 /// A wall and the islands inside it.
@@ -34,23 +42,17 @@ pub struct Vertex {
 #[serde(deny_unknown_fields)]
 #[schema(as = PocketRegion)]
 pub struct Region {
-    /// The wall: the vertices of a closed outline, in mm, in either direction. The last vertex is joined to
-    /// the first.
-    #[schema(value_type = Outline)]
-    boundary: Vec<Vertex>,
+    /// The wall: a closed outline, in mm, in either direction. The last vertex is joined to the first.
+    boundary: Outline,
     /// Outlines of what stays, in mm. Islands may overlap each other and the wall. Default: none.
     #[schema(value_type = Option<Islands>)]
-    islands: Option<Vec<Vec<Vertex>>>,
+    islands: Option<Vec<Outline>>,
 }
-
-schema_of!(Outline of Vertex, "Vertices `[x, y]` or `[x, y, bulge]` of a closed outline.", {
-    array_of(reference::<Vertex>(), 2, Limits::DEFAULT.curve_points)
-});
 
 schema_of!(Islands of Outline, "Closed outlines.", { array_of(reference::<Outline>(), 0, MAX_ISLANDS) });
 
 impl Region {
-    pub fn new(boundary: Vec<Vertex>, islands: Option<Vec<Vec<Vertex>>>) -> Self {
+    pub fn new(boundary: Outline, islands: Option<Vec<Outline>>) -> Self {
         Self { boundary, islands }
     }
 
@@ -58,77 +60,154 @@ impl Region {
     pub fn convert(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> core::Outlines {
         let Self { boundary, islands } = self;
         let islands = islands.unwrap_or_default();
-        let total = boundary.len() + islands.iter().map(Vec::len).sum::<usize>();
+        let total = boundary.len() + islands.iter().map(Outline::len).sum::<usize>();
         if islands.len() > MAX_ISLANDS {
             violations.count_of_points(&at.field("islands"), islands.len(), 0, MAX_ISLANDS);
         } else if violations.count_of_points(at, total, 0, limits.curve_points) {
-            check(&at.field("boundary"), &boundary, violations);
+            boundary.check(&at.field("boundary"), limits, violations);
             for (k, island) in islands.iter().enumerate() {
-                check(&at.field("islands").index(k), island, violations);
+                island.check(&at.field("islands").index(k), limits, violations);
             }
         }
         core::Outlines {
-            boundary: elements(&boundary),
-            islands: islands.iter().map(|island| elements(island)).collect(),
+            boundary: boundary.elements(),
+            islands: islands.iter().map(Outline::elements).collect(),
         }
+    }
+
+    /// The warning of bulges of more than a half circle. `at` is the place of the region.
+    pub fn remark(&self, at: &Pointer) -> Option<Warning> {
+        remark(at, &self.boundary, self.islands.as_deref().unwrap_or_default())
     }
 }
 
-fn check(at: &Pointer, outline: &[Vertex], violations: &mut Violations) {
-    violations.count_of_points(at, outline.len(), 2, usize::MAX);
-    for (k, vertex) in outline.iter().enumerate() {
-        for (axis, value) in vertex.at.into_iter().enumerate() {
-            violations.number(&at.index(k).index(axis), value, Range::COORDINATE, "mm");
+/// The warning of bulges of more than a half circle in a wall and its islands. `at` is the place of the
+/// object with both.
+pub fn remark(at: &Pointer, boundary: &Outline, islands: &[Outline]) -> Option<Warning> {
+    let of_islands = islands.iter().enumerate().map(|(k, island)| (Some(k), island));
+    let outlines = std::iter::once((None, boundary)).chain(of_islands);
+    let mut wide = outlines.flat_map(|(island, outline)| outline.wide_bulges().map(move |k| (island, k)));
+    let (island, k) = wide.next()?;
+    let outline = island.map_or_else(|| at.field("boundary"), |island| at.field("islands").index(island));
+    Some(Warning::bulge_over_half_circle(&outline.index(k).index(2), 1 + wide.count()))
+}
+
+impl Outline {
+    /// The number of its vertices, or of the pieces of its text.
+    fn len(&self) -> usize {
+        match self {
+            Self::Vertices(vertices) => vertices.len(),
+            Self::Text(text) => text.in_plane().pieces().len(),
         }
-        violations.optional(&at.index(k).index(2), vertex.bulge, BULGE, "");
+    }
+
+    fn check(&self, at: &Pointer, limits: &Limits, violations: &mut Violations) {
+        let vertices = match self {
+            Self::Vertices(vertices) => vertices,
+            Self::Text(text) => return check_text(text, at, limits, violations),
+        };
+        violations.count_of_points(at, vertices.len(), 2, usize::MAX);
+        let Some(last) = vertices.len().checked_sub(1) else { return };
+        for (k, vertex) in vertices.iter().enumerate() {
+            let before = k.checked_sub(1).unwrap_or(last);
+            vertex.check(&at.index(k), &vertices[before], &at.index(before), violations);
+        }
+    }
+
+    /// The indices of the vertices with a bulge of more than a half circle.
+    fn wide_bulges(&self) -> impl Iterator<Item = usize> {
+        let vertices = match self {
+            Self::Vertices(vertices) => vertices.as_slice(),
+            Self::Text(_) => &[],
+        };
+        let wide = vertices.iter().enumerate().filter(|(_, vertex)| vertex.is_over_half_circle());
+        wide.map(|(k, _)| k)
+    }
+
+    /// The lines and arcs between the vertices, without those that are rounding.
+    fn elements(&self) -> Vec<Segment> {
+        let vertices = match self {
+            Self::Vertices(vertices) => vertices,
+            Self::Text(text) => return elements_of(text),
+        };
+        let next = vertices.iter().cycle().skip(1);
+        weld::elements(&vertices.iter().zip(next).map(|(from, to)| to.corner_after(from)).collect::<Vec<_>>())
     }
 }
 
-/// The lines and arcs between the vertices; vertices that repeat the one before are left out.
-fn elements(outline: &[Vertex]) -> Vec<Segment> {
-    let next = outline.iter().cycle().skip(1);
-    let element = |(from, to): (&Vertex, &Vertex)| {
-        let [start, end] = [from, to].map(|vertex| Point2::from(vertex.at));
-        Segment::bulging(start, end, -from.bulge.unwrap_or_default())
-    };
-    outline.iter().zip(next).map(element).filter(|element| element.start() != element.end()).collect()
+fn check_text(text: &SectionText, at: &Pointer, limits: &Limits, violations: &mut Violations) {
+    text.check(at, Room::PlaneOnly, limits, violations);
+    let curve = text.in_plane();
+    if let Some(piece) = curve.pieces().iter().find(|piece| matches!(piece.shape, Shape::Cubic(_))) {
+        let detail = "an outline is made of lines and arcs: write `l` and `r`, or send the smooth curve to `/v1/curves/interpolate` first";
+        violations.add_in_text(at, piece.place, FieldCode::Unsupported, detail);
+    }
 }
 
-impl<'de> Deserialize<'de> for Vertex {
+/// The lines and arcs of a text that has been checked, and the line that closes them.
+fn elements_of(text: &SectionText) -> Vec<Segment> {
+    let curve = text.in_plane();
+    let mut elements: Vec<Segment> = curve
+        .pieces()
+        .iter()
+        .map(|piece| match piece.shape {
+            Shape::Arc { points: [start, corner, end], weight } => {
+                // The weight is the cosine of half of the arc's turn.
+                let bulge = ((1.0 - weight) / (1.0 + weight)).sqrt();
+                let turn = (corner - start).perp(&(end - corner));
+                Segment::bulging(start, end, -bulge.copysign(turn))
+            }
+            shape => Segment::Line { start: shape.start(), end: shape.end() },
+        })
+        .collect();
+    if let (Some(first), Some(last)) = (elements.first(), elements.last())
+        && first.start() != last.end()
+    {
+        elements.push(Segment::Line { start: last.end(), end: first.start() });
+    }
+    elements
+}
+
+impl<'de> Deserialize<'de> for Outline {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(TwoOrThree)
+        deserializer.deserialize_any(VerticesOrText)
     }
 }
 
-struct TwoOrThree;
+struct VerticesOrText;
 
-impl<'de> Visitor<'de> for TwoOrThree {
-    type Value = Vertex;
+impl<'de> Visitor<'de> for VerticesOrText {
+    type Value = Outline;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a vertex [x, y] or [x, y, bulge]")
+        f.write_str("vertices or the text of a section curve")
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vertex, A::Error> {
-        let mut at = [0.0; 2];
-        for (k, coordinate) in at.iter_mut().enumerate() {
-            *coordinate = seq.next_element()?.ok_or_else(|| A::Error::invalid_length(k, &self))?;
-        }
-        let bulge = seq.next_element()?;
-        match bulge.and(seq.next_element::<IgnoredAny>()?) {
-            None => Ok(Vertex { at, bulge }),
-            Some(_) => Err(A::Error::invalid_length(4, &self)),
-        }
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Outline, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Outline::Vertices)
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Outline, E> {
+        SectionText::deserialize(text.into_deserializer()).map(Outline::Text)
     }
 }
 
-impl PartialSchema for Vertex {
+impl PartialSchema for Outline {
     fn schema() -> RefOr<Schema> {
-        let description = "A vertex of an outline: `[x, y]` in mm, or `[x, y, bulge]`. The bulge belongs to the element from this \
-             vertex to the next: the tangent of a quarter of the arc's angle, positive where the arc turns to the left, 0 for a line, 1 \
-             for a half circle to the left (as in DXF).";
-        array_of(number(Range::COORDINATE), 2, 3).description(Some(description)).into()
+        let vertices = array_of(reference::<Vertex>(), 2, Limits::DEFAULT.curve_points);
+        let text = ObjectBuilder::new()
+            .schema_type(Type::String)
+            .max_length(Some(TEXT_LIMIT))
+            .examples([serde_json::json!("l(0,0) r(50,0,10) r(50,40,10) l(0,40)")]);
+        let description = "A closed outline in mm: its vertices, or a section curve of items `l(x,y)` and `r(x,y,R)`, which a straight line \
+             closes.";
+        OneOfBuilder::new().item(vertices).item(text).description(Some(description)).into()
     }
 }
 
-impl ToSchema for Vertex {}
+impl ToSchema for Outline {
+    fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
+        schemas.push((Vertex::name().into_owned(), Vertex::schema()));
+        Vertex::schemas(schemas);
+    }
+}

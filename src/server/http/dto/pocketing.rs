@@ -1,6 +1,7 @@
 //! The request to plan a pocket, and its conversion to a job.
 
 mod cleared;
+mod finish;
 mod relief;
 
 use serde::Deserialize;
@@ -8,11 +9,12 @@ use utoipa::ToSchema;
 
 use super::check::{Range, Violations};
 use super::cutting::Cutting;
+use super::machine_abilities::MachineAbilities;
 use super::meta::{Meta, MetaTexts};
 use super::outline::Region;
 use super::program::Program;
 use super::schema::{array_of, reference, schema_of};
-use super::setup::{JobWithSetup, SentSetup};
+use super::setup::{self, JobWithSetup, SentSetup};
 use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
@@ -21,8 +23,9 @@ use crate::http::error::{ApiError, FieldCode};
 use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 pub use cleared::Cleared;
+use finish::{PocketFinishing, PocketLead, SentFinish};
 use relief::{Heights, IslandsBy, SentRelief};
-use toolpathd_core::operations::pocketing::{self as core, ChooseBy, Milling, Pattern};
+use toolpathd_core::operations::pocketing::{self as core, ChooseBy, Milling, Only, Pattern};
 
 /// A pocket to be cleared.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -56,10 +59,31 @@ pub struct PocketRequest {
     /// Height of the pocket's floor, in mm; below `top_z_mm`.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     floor_z_mm: f64,
-    /// Largest depth of a level, in mm. Every level but the last is this deep, unless `roughing_allowance_mm`
-    /// makes it less deep; the last level ends on the floor.
+    /// Largest depth of a level, in mm. There are as few levels as this allows; a thousandth of a mm more is
+    /// allowed too. They are equally deep, unless `roughing_allowance_mm` makes some less deep. The last
+    /// level ends on the floor.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     stepdown_max_mm: f64,
+    /// What stays on walls and islands for finishing, in mm.
+    #[schema(minimum = 0, maximum = 1_000_000, default = 0)]
+    allowance_mm: Option<f64>,
+    /// What stays on the floor for finishing, in mm.
+    #[schema(minimum = 0, maximum = 1_000_000, default = 0)]
+    floor_allowance_mm: Option<f64>,
+    /// How walls and floor are finished by the same tool after roughing. Default: what is left stays.
+    #[serde(default, deserialize_with = "object::optional")]
+    finish: Option<PocketFinishing>,
+    /// `roughing`: `finish` is left out. `finishing`: only `finish` is done; the pocket is taken to be
+    /// roughed to the allowances by a tool that is no larger. Default: both.
+    only: Option<Only>,
+    /// How passes along walls and islands begin and end. Default: the defaults of all members.
+    #[serde(default, deserialize_with = "object::optional")]
+    lead: Option<PocketLead>,
+    /// How far entries, lifts, links and rapids keep away from walls and islands, in mm, beside the cutter's
+    /// radius and the allowance. Where there is no room for it, they keep away as far as the room allows, and
+    /// the answer warns. Default: a fiftieth of the cutter's diameter, and at least 0.2 mm.
+    #[schema(minimum = 0, maximum = 1_000_000)]
+    clearance_side_mm: Option<f64>,
     /// Thickest material that a level may leave on slopes of `heights` or `surface`, in mm, at a right angle
     /// to the slope. Levels are then as deep as this limit and `stepdown_max_mm` allow. A level ends on a
     /// horizontal plane of the part if more than this limit would stay on the plane. Default: no limit.
@@ -86,6 +110,9 @@ pub struct PocketRequest {
     #[serde(default)]
     #[schema(default = "climb")]
     direction: Milling,
+    /// What the machine can do. Default: nothing is assumed.
+    #[serde(default, deserialize_with = "object::required")]
+    machine: MachineAbilities,
     /// Feeds, spindle, coolant and heights.
     #[serde(deserialize_with = "object::required")]
     cutting: Cutting,
@@ -104,8 +131,8 @@ schema_of!(ClearedList of Cleared, "Emptied places.", {
     array_of(reference::<Cleared>(), 0, MOST_CLEARED)
 });
 
-/// How the cutter comes down into the material: on the largest helix that fits, else on a ramp along the
-/// pass, else straight down.
+/// How the cutter comes down into the material: on the largest helix that fits in the connected part, else on
+/// a ramp, else straight down if that is allowed. A part in which none of these has room stays uncut.
 #[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PocketEntry {
@@ -121,13 +148,9 @@ pub struct PocketEntry {
     #[schema(minimum = 0.1, maximum = 89, default = 5)]
     ramp_angle_deg: Option<f64>,
     /// Whether the cutter may go straight down where neither a helix nor a ramp fits.
-    #[serde(default = "yes")]
-    #[schema(default = true)]
+    #[serde(default)]
+    #[schema(default = false)]
     plunge: bool,
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// The most emptied places.
@@ -144,7 +167,7 @@ impl PocketEntry {
         violations: &mut Violations,
     ) -> core::EntryLimits {
         let usual = core::EntryLimits::of(diameter_mm);
-        let none = Self { max_diameter_mm: None, min_diameter_mm: None, ramp_angle_deg: None, plunge: true };
+        let none = Self { max_diameter_mm: None, min_diameter_mm: None, ramp_angle_deg: None, plunge: false };
         let Self { max_diameter_mm, min_diameter_mm, ramp_angle_deg, plunge } = entry.unwrap_or(none);
         let range = Range { max: diameter_mm, ..Range::POSITIVE };
         violations.optional(&at.field("max_diameter_mm"), max_diameter_mm, range, "mm");
@@ -158,6 +181,7 @@ impl PocketEntry {
             min_diameter_mm: min_diameter_mm.unwrap_or(usual.min_diameter_mm.min(max_diameter_mm)),
             ramp_angle: ramp_angle_deg.map_or(usual.ramp_angle, f64::to_radians),
             plunge,
+            ..usual
         }
     }
 }
@@ -180,6 +204,12 @@ impl IntoJob for PocketRequest {
             top_z_mm,
             floor_z_mm,
             stepdown_max_mm,
+            allowance_mm,
+            floor_allowance_mm,
+            finish,
+            only,
+            lead,
+            clearance_side_mm,
             roughing_allowance_mm,
             tool,
             stepover_mm,
@@ -187,11 +217,13 @@ impl IntoJob for PocketRequest {
             choose_by,
             entry,
             direction,
+            machine,
             cutting,
             program,
             meta,
         } = self;
         let root = Pointer::root();
+        let finish = SentFinish { allowance_mm, floor_allowance_mm, finish, only, lead, clearance_side_mm };
         let mut violations = Violations::default();
         let sent = SentRelief {
             surface,
@@ -202,6 +234,11 @@ impl IntoJob for PocketRequest {
             has_region: region.is_some(),
         };
         let (relief, islands_by) = sent.convert(tool.diameter_mm(), limits, &mut violations);
+        let mut remarks: Vec<Warning> =
+            region.iter().filter_map(|region| region.remark(&root.field("region"))).collect();
+        let at_cleared = root.field("cleared");
+        let of_cleared = cleared.iter().flatten().enumerate();
+        remarks.extend(of_cleared.filter_map(|(k, cleared)| cleared.remark(&at_cleared.index(k))));
         let area = region.map(|region| region.convert(&root.field("region"), limits, &mut violations));
         let cleared = emptied(cleared.unwrap_or_default(), limits, &mut violations);
         let checked_tool = tool.convert(&root.field("tool"), &mut violations);
@@ -217,14 +254,21 @@ impl IntoJob for PocketRequest {
             let detail = format!("the floor at {floor_z_mm} mm is not below the top at {top} mm");
             violations.add(&root.field("floor_z_mm"), FieldCode::OutOfRange, detail);
         }
+        let finish = finish.convert(tool.diameter_mm(), top.map(|top| top - floor_z_mm), &mut violations);
         violations.number(&root.field("stepdown_max_mm"), stepdown_max_mm, Range::POSITIVE, "mm");
         let stepovers = Range { max: tool.diameter_mm(), ..Range::POSITIVE };
         violations.number(&root.field("stepover_mm"), stepover_mm, stepovers, "mm");
         let patterns =
             patterns.map(|patterns| checked_patterns(&root.field("patterns"), patterns, &mut violations));
         let entry = PocketEntry::convert(entry, &root.field("entry"), tool.diameter_mm(), &mut violations);
-        let sent = SentSetup { tool: Some(checked_tool), cutting: Some(cutting), program, meta };
-        let (setup, cutting, meta) = sent.convert(&mut violations);
+        let sent =
+            SentSetup { tool: Some(checked_tool), body: tool.body(), cutting: Some(cutting), program, meta };
+        let (mut setup, cutting, meta) = sent.convert(&mut violations);
+        setup.remarks.extend(remarks);
+        let max_rpm = machine.max_rpm(&root.field("machine"), &mut violations);
+        if let Some(cutting) = &cutting {
+            setup::check_machine_speed(cutting, max_rpm, &mut violations);
+        }
         let Some(cutting) = cutting else { return Err(violations.into_error()) };
         violations.result()?;
         let job = core::Job {
@@ -235,6 +279,12 @@ impl IntoJob for PocketRequest {
             top_z_mm,
             floor_z_mm,
             stepdown_max_mm,
+            allowance_mm: finish.allowance_mm,
+            floor_allowance_mm: finish.floor_allowance_mm,
+            finish: finish.finish,
+            only: finish.only,
+            lead: finish.lead,
+            clearance_side_mm: finish.clearance_side_mm,
             roughing_allowance_mm,
             tool: checked_tool,
             stepover_mm,
@@ -260,7 +310,7 @@ fn emptied(cleared: Vec<Cleared>, limits: &Limits, violations: &mut Violations) 
         return Vec::new();
     }
     let convert = |(k, cleared): (usize, Cleared)| cleared.convert(&at.index(k), limits, violations);
-    cleared.into_iter().enumerate().filter_map(convert).collect()
+    cleared.into_iter().enumerate().flat_map(convert).collect()
 }
 
 fn checked_patterns(at: &Pointer, patterns: Vec<Pattern>, violations: &mut Violations) -> Vec<Pattern> {

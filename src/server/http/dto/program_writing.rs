@@ -104,8 +104,9 @@ impl IntoJob for WriteRequest {
         let root = Pointer::root();
         let mut violations = Violations::default();
 
+        let body = tool.as_ref().map(Tool::body).unwrap_or_default();
         let tool = tool.map(|tool| tool.convert(&root.field("tool"), &mut violations));
-        let sent = SentSetup { tool, cutting, program, meta };
+        let sent = SentSetup { tool, body, cutting, program, meta };
         let (mut setup, request, meta) = sent.convert(&mut violations);
         let machine = machine.and_then(|sent| sent.convert(&root.field("machine"), &mut violations));
         let reading = ReadSettings {
@@ -128,12 +129,14 @@ impl IntoJob for WriteRequest {
             let detail = "a program whose tool leans or turns, or with `machine` or `axis_output`, has one operation: send each toolpath alone";
             violations.add(&root.field("further_operations"), FieldCode::Conflict, detail);
         }
-        let before = Before { tool: setup.tool, request, program: setup.program.clone() };
+        let before =
+            Before { tool: setup.tool, body: setup.body.clone(), request, program: setup.program.clone() };
         let n_moves = toolpath.moves().count();
         let further = converted(further, (before, setup.dialect), n_moves, limits, &mut violations);
         violations.result()?;
         let (tool, program) = (setup.tool, setup.program.clone());
-        let first = Operation { name: None, toolpath, moved_mm, caution, cutting, tool, program };
+        let remarks = setup.remarks.clone();
+        let first = Operation { name: None, toolpath, moved_mm, caution, cutting, tool, program, remarks };
         Ok(JobWithSetup { job: Writing { first, further }, setup, meta })
     }
 }

@@ -25,6 +25,7 @@ pub use nurbs::Nurbs;
 pub use parallel_sweep::ParallelSweep;
 pub use point_grid::PointGrid;
 pub use ruled::Ruled;
+pub use section_text::{Room, SectionText};
 use toolpathd_core::geometry::surface::source::Source;
 
 by_kind! {

@@ -31,7 +31,7 @@ impl From<&arc_fitting::Warning> for Warning {
                 ),
             ),
         };
-        Self { code, detail }
+        Self::new(code, detail)
     }
 }
 

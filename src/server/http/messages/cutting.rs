@@ -49,6 +49,47 @@ impl From<Caution> for Warning {
             ),
             Caution::LengthOffsetDiffers { .. } => (WarningCode::LengthOffsetDiffers, caution.to_string()),
         };
-        Self { code, detail }
+        Self::new(code, detail)
     }
 }
+
+impl Warning {
+    /// The warning of a feed in slots above the feed, both in mm/min.
+    pub fn slot_feed_above_feed(slot: f64, feed: f64) -> Self {
+        let detail = format!(
+            "the feed in slots, {slot} mm/min, is above the feed, {feed} mm/min: the cutter goes faster where it cuts more"
+        );
+        Self::new(WarningCode::SlotFeedAboveFeed, detail)
+    }
+
+    /// The warning of a tolerance above a tenth of the cutter's radius. `None` below.
+    pub fn tolerance_coarse(tolerance_mm: f64, radius_mm: f64) -> Option<Self> {
+        let detail = || {
+            format!(
+                "the tolerance of {tolerance_mm} mm is more than a tenth of the cutter's radius of {radius_mm} mm: check its unit"
+            )
+        };
+        (tolerance_mm > COARSE_TOLERANCE * radius_mm)
+            .then(|| Self::new(WarningCode::ToleranceCoarse, detail()).about(&member("/tolerance_mm")))
+    }
+
+    /// The warning of a program that takes very long. `None` below [`LONG_S`] seconds.
+    pub fn long_time(seconds: f64) -> Option<Self> {
+        let detail = || {
+            format!(
+                "the program takes {:.1} hours: check that `feed_mm_per_min` and the other feeds are in mm/min, and not in mm/s or inch/min",
+                seconds / SECONDS_PER_HOUR
+            )
+        };
+        (seconds > LONG_S).then(|| Self::new(WarningCode::LongTime, detail()))
+    }
+}
+
+/// A tolerance above this part of the cutter's radius is doubtful: a finished surface has a hundredth.
+const COARSE_TOLERANCE: f64 = 0.1;
+
+const SECONDS_PER_HOUR: f64 = 3600.0;
+
+/// A program that takes longer is doubtful: more than a shift. Feeds in mm/s instead of mm/min make a program
+/// sixty times as long.
+const LONG_S: f64 = 10.0 * SECONDS_PER_HOUR;

@@ -28,7 +28,7 @@ impl From<&five_axis::Warning> for Warning {
                 (WarningCode::RoundingExceedsTolerance, format!("{fact}: {advice}"))
             }
         };
-        Self { code, detail }
+        Self::new(code, detail)
     }
 }
 
@@ -76,10 +76,10 @@ pub fn path_text(error: &PathTextError) -> String {
 
 /// The warning that a program states the axis of the tool alone, and the control chooses the positions.
 pub fn positions_of_control() -> Warning {
-    Warning {
-        code: WarningCode::PositionsOfControl,
-        detail: "the program states the tool axis, and the control chooses positions and speeds of the rotary axes: the limits hold for the samples, and the control keeps its own; send `axis_output: angles` or `machine` to state the positions of the motion".to_owned(),
-    }
+    Warning::new(
+        WarningCode::PositionsOfControl,
+        "the program states the tool axis, and the control chooses positions and speeds of the rotary axes: the limits hold for the samples, and the control keeps its own; send `axis_output: angles` or `machine` to state the positions of the motion",
+    )
 }
 
 /// The warning of the words of a program that were left alone. `None` without such words.
@@ -98,8 +98,8 @@ pub fn words_left_alone(member: &str, words: &[LeftWord]) -> Option<Warning> {
         count => format!("{word} {count} times, first in line {line}"),
     };
     let all: Vec<String> = words.iter().map(told).collect();
-    (!all.is_empty()).then(|| Warning {
-        code: WarningCode::WordsLeftAlone,
-        detail: format!("words of `{member}` change nothing of the answer: {}", all.join(", ")),
+    (!all.is_empty()).then(|| {
+        let detail = format!("words of `{member}` change nothing of the answer: {}", all.join(", "));
+        Warning::new(WarningCode::WordsLeftAlone, detail)
     })
 }

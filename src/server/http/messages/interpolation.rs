@@ -21,7 +21,7 @@ impl From<&interpolation::Warning> for Warning {
             }
             Of::ContourNotReached { .. } => (WarningCode::ContourNotReached, fact),
         };
-        Self { code, detail }
+        Self::new(code, detail)
     }
 }
 

@@ -24,7 +24,7 @@ impl From<&surface_milling::Warning> for Warning {
             Of::RoughingPathGouges { .. } => (WarningCode::RoughingPathGouges, fact),
             Of::StripLeft { .. } => (WarningCode::StripLeft, fact),
         };
-        Self { code, detail }
+        Self::new(code, detail)
     }
 }
 

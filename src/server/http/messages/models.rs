@@ -11,7 +11,7 @@ impl Warning {
         let detail = format!(
             "`not_a_knot` needs 4 points along {direction}; with {points} points the surface follows the polynomial through the points"
         );
-        Self { code: WarningCode::EndsReduced, detail }
+        Self::new(WarningCode::EndsReduced, detail)
     }
 }
 
@@ -23,9 +23,9 @@ impl From<&surface_model::Warning> for Warning {
             Of::EndsReduced { direction, points } => Self::ends_reduced(direction, *points),
             Of::NotSmooth(_) => {
                 let advice = "`engine: offset_section` refuses this surface, `engine: contact` mills it";
-                Self { code: WarningCode::NotSmooth, detail: format!("{fact}: {advice}") }
+                Self::new(WarningCode::NotSmooth, format!("{fact}: {advice}"))
             }
-            Of::NoNormal => Self { code: WarningCode::NoNormal, detail: fact },
+            Of::NoNormal => Self::new(WarningCode::NoNormal, fact),
         }
     }
 }

@@ -21,13 +21,19 @@ impl From<&pocketing::Warning> for Warning {
                     rounded_up(gouge_mm)
                 ),
             ),
+            Of::NarrowForClearance { .. } => (WarningCode::NarrowForClearance, warning.to_string()),
+            Of::LoadNotBounded => (
+                WarningCode::LoadNotBounded,
+                "`choose_by` is `paper_time`: slots are cut at the full feed, unless `cutting.slot_feed_mm_per_min` is sent"
+                    .to_owned(),
+            ),
             Of::StepoverNarrowed => (
                 WarningCode::StepoverNarrowed,
                 "`stepover_mm` is larger than the cutter's radius: rings lie closer where they would leave material"
                     .to_owned(),
             ),
         };
-        Self { code, detail }
+        Self::new(code, detail)
     }
 }
 

@@ -86,7 +86,7 @@ impl From<&Change> for Warning {
         let lines = format!("{}{}", line(is_columns), if numbers.len() == 1 { "" } else { "s" });
         let them = if numbers.len() == 1 { "it" } else { "them" };
         let detail = format!("`surface.points`: {lines} {}{more} {fact} {them}", named.join(", "));
-        Self { code: WarningCode::PointsReordered, detail }
+        Self::new(WarningCode::PointsReordered, detail)
     }
 }
 
@@ -101,7 +101,7 @@ impl Warning {
         let detail = format!(
             "the points are closed along {along}, and the surface closes smoothly there; send `ends: not_a_knot` where the seam is a sharp edge"
         );
-        Self { code: WarningCode::EndsPeriodic, detail }
+        Self::new(WarningCode::EndsPeriodic, detail)
     }
 }
 

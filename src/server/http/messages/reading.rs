@@ -99,6 +99,6 @@ impl From<&Note> for Warning {
             Note::ScaleAssumed { .. } => (WarningCode::PointsMissing, "write the factor with a point"),
             Note::Tapping { .. } => (WarningCode::TappingAssumed, "check the feed and the speed"),
         };
-        Self { code, detail: format!("{fact}; {advice}") }
+        Self::new(code, format!("{fact}; {advice}"))
     }
 }

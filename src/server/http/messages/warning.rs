@@ -3,6 +3,8 @@
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use crate::http::pointer::Pointer;
+
 /// Something to know before the program runs, which does not stop the job.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct Warning {
@@ -10,6 +12,24 @@ pub struct Warning {
     pub code: WarningCode,
     /// What the warning is about, for people.
     pub detail: String,
+    /// The member of the request's body that the warning is about: a JSON pointer as URI fragment (RFC 6901).
+    /// Absent where the warning is about the result.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(example = "#/region/islands/3")]
+    pub pointer: Option<String>,
+}
+
+impl Warning {
+    /// A warning about the result.
+    pub fn new(code: WarningCode, detail: impl Into<String>) -> Self {
+        Self { code, detail: detail.into(), pointer: None }
+    }
+
+    /// The same warning, about the member at `at`.
+    #[must_use]
+    pub fn about(self, at: &Pointer) -> Self {
+        Self { pointer: Some(at.as_str().to_owned()), ..self }
+    }
 }
 
 /// What a warning is about.
@@ -45,6 +65,10 @@ pub enum WarningCode {
     PlacesNotReached,
     /// The stepover is larger than the cutter's radius.
     StepoverNarrowed,
+    /// The cutter comes nearer to walls beside its cuts than asked for, where there is no room.
+    NarrowForClearance,
+    /// `choose_by: paper_time` does not bound the load of the cutter.
+    LoadNotBounded,
     /// Rounding to the program's decimals may leave the band.
     RoundingLeavesBand,
     /// Rounding to the program's decimals may exceed the tolerance.
@@ -103,6 +127,26 @@ pub enum WarningCode {
     TappingAssumed,
     /// `cutting.clearance_z_mm` is absent: the service chose a clearance plane above everything that is cut.
     ClearanceChosen,
+    /// An arc of an outline turns by more than a half circle.
+    BulgeOverHalfCircle,
+    /// An island lies wholly outside the wall, and changes nothing.
+    IslandOutside,
+    /// The region reaches beyond the surface or the heights, and nothing is cut there.
+    RegionBeyondPart,
+    /// The part stands above the top of the stock.
+    StockBelowPart,
+    /// A line of the caller's own selects a work offset beside `program.work_offset`.
+    WorkOffsetTwice,
+    /// The feed in slots is above the feed.
+    SlotFeedAboveFeed,
+    /// The tolerance is more than a tenth of the cutter's radius.
+    ToleranceCoarse,
+    /// The program takes more than ten hours.
+    LongTime,
+    /// The job is deeper than the cutting edges are long.
+    ShankBesideWall,
+    /// The feed of a cutting edge is far from usual.
+    FeedPerTooth,
 }
 
 impl WarningCode {

@@ -5,11 +5,12 @@ use crate::http::error::{ApiError, Code, FieldCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::machine::FollowError;
 use toolpathd_core::toolpath::cutting::Coolant;
-use toolpathd_core::toolpath::program::{SafeHome, SmoothingMode};
+use toolpathd_core::toolpath::program::{Program, SafeHome, SmoothingMode};
 use toolpathd_core::toolpath::quantize::QuantizeError;
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_post::{
-    CoarseFeeds, CustomFault, CustomPart, Missing, OwnSmoothing, Refused, Unjoinable, WriteError,
+    CoarseFeeds, CustomFault, CustomPart, Dialect, Missing, OwnSmoothing, OwnWorkOffset, Refused, Unjoinable,
+    WriteError,
 };
 
 impl From<QuantizeError> for ApiError {
@@ -31,7 +32,7 @@ impl From<CoarseFeeds> for Warning {
         let detail = format!(
             "the decimals of F cannot state the feeds of {moves} moves: the program writes {asked_mm_per_min} mm/min as {written_mm_per_min:.6} mm/min, and takes {by_s} s longer in all; send a feed that F can state, or choose another dialect"
         );
-        Self { code: WarningCode::FeedRounded, detail }
+        Self::new(WarningCode::FeedRounded, detail)
     }
 }
 
@@ -229,6 +230,17 @@ pub fn refused(Refused { part, index, fault }: &Refused) -> (Pointer, String) {
 /// line.
 pub fn smoothed_twice(own: &OwnSmoothing) -> (Pointer, String) {
     (member("/program/smoothing"), format!("{own} (`{}`)", place(own.part, own.index)))
+}
+
+/// The warning of a shop's own line that selects a work offset beside `work_offset`. The modes of the program
+/// are set again behind the line.
+pub fn second_work_offset(dialect: &Dialect, program: &Program) -> Option<Warning> {
+    let number = program.work_offset?;
+    let OwnWorkOffset { index, word } = toolpathd_post::own_work_offset(dialect, &program.custom)?;
+    let detail = format!(
+        "`{word}` selects a work offset beside `program.work_offset`, which is G{number}: leave out the one that is wrong"
+    );
+    Some(Warning::new(WarningCode::WorkOffsetTwice, detail).about(&place(CustomPart::Header, index)))
 }
 
 /// The place of a shop's own line.

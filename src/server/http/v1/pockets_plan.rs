@@ -16,7 +16,9 @@ use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::pocketing::{self, Job, LevelOutlines, Plan, Report};
-use toolpathd_core::toolpath::units::rounded_up;
+use toolpathd_core::toolpath::measure::{Bounds, measure};
+use toolpathd_core::toolpath::tool_body::Depths;
+use toolpathd_core::toolpath::units::{FeedRate, rounded_up};
 use toolpathd_plot::Drawing;
 
 /// The answer in JSON.
@@ -37,15 +39,27 @@ pub async fn plan_pocket(
 }
 
 fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>, ApiError> {
-    let JobWithSetup { job, setup, meta } = job;
-    let Plan { toolpath, report, outlines, cutting, warnings } = pocketing::plan(&job, budget)?;
+    let JobWithSetup { job, mut setup, meta } = job;
+    let plan = pocketing::plan(&job, budget)?;
+    setup.check_depths(&depths(&plan), ("/stepdown_max_mm", "send a smaller `stepdown_max_mm`"))?;
+    let doubts = pocketing::doubts(&job, &plan, budget)?;
+    let Plan { toolpath, report, outlines, cutting, warnings, .. } = plan;
     Ok(Outcome {
         meta,
-        warnings: warnings.iter().map(Warning::from).collect(),
+        warnings: warnings.iter().map(Warning::from).chain(doubts.iter().map(Warning::from)).collect(),
         product: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
         report,
         drawing: Box::new(move || drawing(&outlines)),
     })
+}
+
+/// How deep the cutter goes below the top of stock and part, and how deep the deepest level is.
+fn depths(plan: &Plan) -> Depths {
+    let Bounds { min, .. } = measure(&plan.toolpath, FeedRate::DEFAULT_RAPID).bounds;
+    let levels = plan.outlines.iter().zip(&plan.report.levels);
+    let cut = levels.filter(|(_, report)| report.chosen.is_some());
+    let at_once_mm = cut.map(|(level, _)| level.top_z_mm - level.z_mm).reduce(f64::max);
+    Depths { whole_mm: plan.highest_mm - min.z, at_once_mm }
 }
 
 /// The walls and the islands of each level, at the level's top and floor, and the edges of what stays uncut.

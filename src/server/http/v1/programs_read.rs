@@ -97,7 +97,7 @@ fn read(job: ProgramReading, budget: &Budget) -> Result<Outcome<ReadReport, Read
     let reading = toolpathd_nc::read(&job.read_job(control), budget).map_err(|error| not_read(error, &at))?;
     let warnings = reading.notes.iter().map(Warning::from).chain(words_left_alone_in(&reading.left_alone));
     let program = Program::plain(Resolution { units: Units::Mm, decimals: 3 });
-    let setup = Setup { tool: None, program, dialect: dialect::DEFAULT, five_axes: None, called: None };
+    let setup = Setup::of_program(dialect::DEFAULT, program);
     Ok(Outcome {
         warnings: warnings.collect(),
         report: ReadReport::new(&reading, control, job.is_traced()),

@@ -183,7 +183,7 @@ fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, 
     let left = program.iter().flat_map(|program| words_left_alone_in(&program.left_alone));
     let warnings = notes.chain(left).collect();
     let program = Program::plain(Resolution { units: Units::Mm, decimals: 3 });
-    let setup = Setup { tool: None, program, dialect: dialect::DEFAULT, five_axes: None, called: None };
+    let setup = Setup::of_program(dialect::DEFAULT, program);
     let (solids, findings) = (solids(&job), places(&found));
     let comments = report.sentences(MOST_SENTENCES);
     let cut = Cut { toolpath: job.toolpath, cutting: None, setup, comments, nc: None };

@@ -39,7 +39,8 @@ pub async fn write_program(
 
 fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteReport, Cut>, ApiError> {
     let JobWithSetup { job, setup, meta } = job;
-    let comments: Vec<String> = meta::notes(meta.as_ref()).chain(adjusted(job.moved_mm())).collect();
+    let comments: Vec<String> =
+        meta::notes(meta.as_ref()).chain(setup.body.note()).chain(adjusted(job.moved_mm())).collect();
     let warnings: Vec<Vec<Warning>> = cautions(&job);
     let told: Vec<Vec<String>> = warnings.iter().map(|own| sheet::told(own)).collect();
     let operations: Vec<toolpathd_post::Operation> = job
@@ -90,7 +91,10 @@ fn cautions(job: &Writing) -> Vec<Vec<Warning>> {
     let further = job.further.iter().map(of);
     let fresh = further.map(|own| own.into_iter().filter(|one| !first.contains(one)).collect());
     let all: Vec<Vec<Caution>> = std::iter::once(first.clone()).chain(fresh).collect();
-    all.into_iter().map(|own| own.into_iter().map(Warning::from).collect()).collect()
+    let told = |(own, operation): (Vec<Caution>, &Operation)| {
+        own.into_iter().map(Warning::from).chain(operation.remarks.iter().cloned()).collect()
+    };
+    all.into_iter().zip(job.operations()).map(told).collect()
 }
 
 /// The warnings of the answer, but for those that every answer with the conditions of the first operation
@@ -98,9 +102,9 @@ fn cautions(job: &Writing) -> Vec<Vec<Warning>> {
 fn in_answer(job: &Writing, warnings: Vec<Vec<Warning>>) -> Vec<Warning> {
     let first = job.first.caution.map(Warning::from);
     let further = warnings.into_iter().enumerate().skip(1).flat_map(|(k, own)| {
-        own.into_iter().map(move |Warning { code, detail }| Warning {
-            code,
-            detail: format!("operation {} of the program: {detail}", k + 1),
+        own.into_iter().map(move |warning| Warning {
+            detail: format!("operation {} of the program: {}", k + 1, warning.detail),
+            ..warning
         })
     });
     first.into_iter().chain(further).collect()

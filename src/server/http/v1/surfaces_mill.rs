@@ -15,8 +15,11 @@ use crate::http::request::negotiation::{Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_core::machining::wire_model;
-use toolpathd_core::operations::surface_milling::{self, Job, Plan, Report};
-use toolpathd_core::toolpath::units::rounded_up;
+use toolpathd_core::operations::surface_milling::{self, Job, Plan, Report, Stock};
+use toolpathd_core::toolpath::Toolpath;
+use toolpathd_core::toolpath::measure::{Bounds, measure};
+use toolpathd_core::toolpath::tool_body::Depths;
+use toolpathd_core::toolpath::units::{FeedRate, rounded_up};
 use toolpathd_plot::Drawing;
 
 /// The answer in JSON.
@@ -42,6 +45,10 @@ fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>,
         setup.program.blank = surface_milling::blank(&job, budget)?;
     }
     let Plan { toolpath, report, cutting, warnings } = surface_milling::plan(&job, budget)?;
+    if setup.body.limits_depth() {
+        let advice = "rough the block first, and send `stock` of the kind `on_surface`";
+        setup.check_depths(&depths(&job, &toolpath, budget)?, ("/stock", advice))?;
+    }
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
@@ -49,6 +56,16 @@ fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>,
         report,
         drawing: Box::new(move || drawing(&job.surface)),
     })
+}
+
+/// How deep the cutter goes below the top of part and stock. A block is cut down to the surface at once.
+fn depths(job: &Job, toolpath: &Toolpath, budget: &Budget) -> Result<Depths, ApiError> {
+    let Bounds { min, .. } = measure(toolpath, FeedRate::DEFAULT_RAPID).bounds;
+    let at_once_mm = match job.stock {
+        Some(Stock::Block { top_z_mm }) => Some(top_z_mm - min.z),
+        _ => None,
+    };
+    Ok(Depths { whole_mm: surface_milling::highest_mm(job, budget)? - min.z, at_once_mm })
 }
 
 /// The milled surface as a shaded relief, with a few curves on it.

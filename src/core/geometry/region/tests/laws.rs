@@ -1,8 +1,6 @@
 //! Tests that random regions obey the laws of sets, and that offsets keep their distance. The results are
 //! compared with windings and distances at sampled places.
 
-use std::f64::consts::{FRAC_PI_2, PI};
-
 use nalgebra::Vector2;
 use proptest::prelude::*;
 

@@ -2,18 +2,14 @@
 
 mod steering;
 
-use nalgebra::{Point2, Vector2};
-
 use super::super::PocketError;
 use super::super::chain::SHORTEST_MM;
+use super::super::links::Pose as State;
 use super::super::router::{Purpose, Router};
 use super::wall::{OnWall, Wall};
 use crate::budget::Budget;
 use crate::geometry::region::{Containment, Region};
-use crate::geometry::segment::{Segment, left};
-
-/// The target angle as a part of that of the stepover.
-const TARGET: f64 = 1.07;
+use crate::geometry::segment::Segment;
 
 /// The radius of the tightest turn to the right, in cutter radii.
 const TIGHTEST_RIGHT: f64 = 0.8;
@@ -32,10 +28,6 @@ const LOOKED_AT: f64 = 0.1;
 
 /// How near the boundary the centre of a turn may be, mm.
 const ON_EDGE_MM: f64 = 1e-7;
-
-/// Turns below this are none, radians: an arc of two cutter radii leaves its chord by a quarter of a
-/// millionth of the cutter's radius there, and the centre of a flatter arc is far away and inexact.
-const LEAST_TURN: f64 = 1e-6;
 
 /// A rest of the wall that is no longer is not searched for material, mm.
 const REST_MM: f64 = 1e-5;
@@ -65,40 +57,11 @@ pub struct Tracker<'a, 'b> {
     budget: &'b Budget,
 }
 
-/// Where the cutter is, and where it is going.
-#[derive(Debug, Clone, Copy)]
-struct State {
-    at: Point2<f64>,
-    along: Vector2<f64>,
-}
-
 /// What a part of a pass ended at.
 enum End {
     Wall(OnWall),
     Inside,
     Air,
-}
-
-impl State {
-    fn after(element: &Segment) -> Self {
-        Self { at: element.end(), along: element.direction(1.0) }
-    }
-
-    fn arc(self, curvature: f64, length_mm: f64) -> Segment {
-        let turn = curvature * length_mm;
-        if turn.abs() < LEAST_TURN {
-            return Segment::Line { start: self.at, end: self.at + self.along * length_mm };
-        }
-        let center = self.at + left(self.along) / curvature;
-        let (sin, cos) = turn.sin_cos();
-        let spoke = self.at - center;
-        let end = center + Vector2::new(spoke.x * cos - spoke.y * sin, spoke.x * sin + spoke.y * cos);
-        Segment::about(center, 1.0 / curvature.abs(), [self.at, end], turn)
-    }
-
-    fn turn_center(self, radius_mm: f64) -> Point2<f64> {
-        self.at + left(self.along) * radius_mm
-    }
 }
 
 impl<'a, 'b> Tracker<'a, 'b> {
@@ -110,9 +73,8 @@ impl<'a, 'b> Tracker<'a, 'b> {
         budget: &'b Budget,
     ) -> Self {
         let conditions = router.conditions;
-        let part = if conditions.has_slot_feed() { 1.0 } else { TARGET };
         Self {
-            target: part * conditions.straight_angle,
+            target: conditions.target_angle(),
             length_mm: LENGTHS[0] * conditions.radius_mm,
             router,
             wall,
@@ -128,10 +90,27 @@ impl<'a, 'b> Tracker<'a, 'b> {
 
     /// Cuts from the end of the helix until no place on the wall has material ahead.
     pub fn clear(&mut self) -> Result<(), PocketError> {
-        if let Some((at, along)) = self.router.heading() {
+        if let Some(state) = self.router.heading() {
             self.curvature = 0.0;
-            self.pass(State { at, along })?;
+            self.pass(state)?;
         }
+        self.clear_from_wall()
+    }
+
+    /// Cuts beside loops that have been cut, the last first, until no place on the wall has material
+    /// ahead.
+    pub fn clear_beside(&mut self, loops: &[&[Segment]]) -> Result<(), PocketError> {
+        for elements in loops.iter().rev() {
+            if self.router.come_to(elements)? {
+                self.curvature = 0.0;
+                self.length_mm = LENGTHS[0] * self.router.conditions.radius_mm;
+                self.pass(State::before(&elements[0]))?;
+            }
+        }
+        self.clear_from_wall()
+    }
+
+    fn clear_from_wall(&mut self) -> Result<(), PocketError> {
         let radius = self.router.conditions.radius_mm;
         while let Some(start) = self.next_start()? {
             let (arcs, begins) = (self.arcs, self.begins.len());
@@ -151,9 +130,11 @@ impl<'a, 'b> Tracker<'a, 'b> {
 
     /// Cuts from a place on the wall on.
     fn pass_from(&mut self, start: OnWall) -> Result<(), PocketError> {
-        let first = self.wall.part(start, 1.0);
-        let state = State { at: first.start(), along: first.direction(0.0) };
-        self.router.lead_to(state.at, state.turn_center(self.tight_mm))?;
+        let first = self.wall.part(start, self.router.conditions.radius_mm);
+        let state = State::before(&first);
+        if !self.router.lead_to(&[first], state.center(self.tight_mm))? {
+            return Ok(());
+        }
         match self.slide(start, false)? {
             End::Inside => self.pass_on(),
             _ => {
@@ -165,15 +146,15 @@ impl<'a, 'b> Tracker<'a, 'b> {
 
     fn pass_on(&mut self) -> Result<(), PocketError> {
         match self.router.heading() {
-            Some((at, along)) => self.pass(State { at, along }),
+            Some(state) => self.pass(state),
             None => Ok(()),
         }
     }
 
     /// Says where the cutter may turn away.
     fn leave(&mut self) {
-        if let Some((at, along)) = self.router.heading() {
-            self.router.leave_about(State { at, along }.turn_center(self.tight_mm));
+        if let Some(state) = self.router.heading() {
+            self.router.leave_about(state.center(self.tight_mm));
         }
     }
 
@@ -185,9 +166,9 @@ impl<'a, 'b> Tracker<'a, 'b> {
             match self.track(state)? {
                 End::Wall(place) => match self.slide(place, is_stuck)? {
                     End::Inside => {
-                        let Some((at, along)) = self.router.heading() else { return Ok(()) };
-                        state = State { at, along };
-                        is_stuck = (at - before).norm() < STUCK_MM;
+                        let Some(heading) = self.router.heading() else { return Ok(()) };
+                        state = heading;
+                        is_stuck = (state.at - before).norm() < STUCK_MM;
                     }
                     _ => break,
                 },
@@ -239,12 +220,12 @@ impl<'a, 'b> Tracker<'a, 'b> {
                 self.cut(before)?;
                 state = State::after(&before);
             }
-            let center = state.turn_center(self.tight_mm);
+            let center = state.center(self.tight_mm);
             let (place, q) = self.wall.nearest(center);
             let spoke = state.at - center;
             let to = (q - center).normalize() * spoke.norm();
             let turn = spoke.perp(&to).atan2(spoke.dot(&to));
-            if turn > LEAST_TURN {
+            if turn > State::LEAST_TURN {
                 self.cut(Segment::about(center, spoke.norm(), [state.at, center + to], turn))?;
             }
             return Ok(End::Wall(place));
@@ -263,7 +244,7 @@ impl<'a, 'b> Tracker<'a, 'b> {
     /// Whether the tightest turn fits at the middle and the end of an arc.
     fn has_room(&self, arc: &Segment) -> bool {
         let has_turn = |t: f64| {
-            let center = State { at: arc.at(t), along: arc.direction(t) }.turn_center(self.tight_mm);
+            let center = State { at: arc.at(t), along: arc.direction(t) }.center(self.tight_mm);
             self.turning.place(center, ON_EDGE_MM) != Containment::Outside
         };
         has_turn(1.0) && has_turn(0.5) && self.router.is_allowed(&[*arc])

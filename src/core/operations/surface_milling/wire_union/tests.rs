@@ -83,6 +83,7 @@ fn on_a_slope_along_the_wires_the_path_gouges_as_the_closed_form_says() {
                 Shape::Ball => RADIUS * (1.0 / cos - 1.0),
                 Shape::Flat => RADIUS * slope,
                 Shape::BullNose { corner_radius_mm: c } => (RADIUS - c) * slope + c * (1.0 / cos - 1.0),
+                _ => unreachable!("mills are balls, flat ends and bull noses"),
             } * cos;
             let found = plan.report.gouge_max_mm;
             assert!(found >= depth - 1e-9 && found <= depth + TOLERANCE, "{shape:?} {found} {depth}");

@@ -366,9 +366,8 @@ impl<'de> Visitor<'de> for ValueCheck<'_, '_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut sent: A) -> Result<Sent, A::Error> {
-        if let Some((_, Schema::Object(object))) = self.asked.usual
-            && type_of(&object.schema_type) == Type::Object
-        {
+        let contract = self.walk.contract;
+        if let Some(object) = contract.object_of(&self.asked) {
             self.walk.members(self.at, object, sent)?;
             return Ok(Sent::Value);
         }

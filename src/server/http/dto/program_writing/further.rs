@@ -10,12 +10,14 @@ use crate::http::dto::cutting::Cutting;
 use crate::http::dto::meta::MAX_TEXT_CHARACTERS;
 use crate::http::dto::program::WorkOffset;
 use crate::http::dto::sent_toolpath::{Read, ReadSettings, SentToolpath};
+use crate::http::dto::setup;
 use crate::http::dto::tool::Tool;
 use crate::http::error::FieldCode;
-use crate::http::messages;
+use crate::http::messages::{self, Warning};
 use crate::http::pointer::Pointer;
 use toolpathd_core::toolpath as core;
 use toolpathd_core::toolpath::cutting::{self, Caution, Coolant, CuttingRequest};
+use toolpathd_core::toolpath::tool_body::ToolBody;
 use toolpathd_core::toolpath::{program, tool};
 use toolpathd_post::{Dialect, Missing};
 
@@ -56,12 +58,16 @@ pub struct Operation {
     pub cutting: cutting::Cutting,
     pub tool: Option<tool::Tool>,
     pub program: program::Program,
+    /// What is legal in the request and yet often a mistake.
+    pub remarks: Vec<Warning>,
 }
 
 /// What an operation takes from the one before it.
 #[derive(Clone)]
 pub struct Before {
     pub tool: Option<tool::Tool>,
+    /// What is told of the tool beside its cutting edge.
+    pub body: ToolBody,
     pub request: Option<CuttingRequest>,
     pub program: program::Program,
 }
@@ -87,9 +93,15 @@ impl FurtherOperation {
         let (own_tool, own_cutting) = (tool.is_some(), cutting.is_some());
         if let Some(tool) = tool {
             before.tool = Some(tool.convert(&at.field("tool"), violations));
+            before.body = tool.body();
         }
         if let Some(cutting) = cutting {
             before.request = cutting.convert(&at.field("cutting"), violations);
+        }
+        let mut remarks = Vec::new();
+        if let Some(cutting) = before.request.as_ref().filter(|_| own_tool || own_cutting) {
+            setup::check_speed(cutting, &before.body, at, violations);
+            remarks = setup::remarks_of_feeds(cutting, &before.body, at);
         }
         if let Some(offset) = work_offset {
             before.program.work_offset = Some(offset as u8);
@@ -125,7 +137,7 @@ impl FurtherOperation {
             }
             let (cutting, caution) = conditions(&toolpath, before.request, at, violations);
             let (tool, program) = (before.tool, before.program.clone());
-            Operation { name, toolpath, moved_mm, caution, cutting, tool, program }
+            Operation { name, toolpath, moved_mm, caution, cutting, tool, program, remarks }
         });
         (operation, before)
     }

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 use crate::config::Limits;
 use crate::http::decode::tagged::{Kind, by_kind};
 use crate::http::dto::check::{Range, Violations};
-use crate::http::dto::outline::{Islands, Outline, Region, Vertex};
+use crate::http::dto::outline::{Islands, Outline, Region};
 use crate::http::dto::point::{PlanePoint, Point};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
@@ -65,11 +65,10 @@ pub struct OutlineSolid {
     #[schema(ignore)]
     _kind: Kind,
     /// The outer outline, in mm.
-    #[schema(value_type = Outline)]
-    boundary: Vec<Vertex>,
+    boundary: Outline,
     /// Outlines of holes, in mm. Default: none.
     #[schema(value_type = Option<Islands>)]
-    islands: Option<Vec<Vec<Vertex>>>,
+    islands: Option<Vec<Outline>>,
     /// Height of its bottom, in mm.
     #[schema(minimum = -1_000_000, maximum = 1_000_000)]
     bottom_z_mm: f64,

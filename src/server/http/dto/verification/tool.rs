@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use crate::http::decode::object;
 use crate::http::dto::check::{Range, Violations};
-use crate::http::dto::schema::{array_of, reference, schema_of};
+use crate::http::dto::holder::{self, HolderSection, HolderSections};
 use crate::http::dto::tool::{Shape, Tool};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
@@ -15,9 +15,6 @@ use toolpathd_nc::machine::Cutter;
 
 /// The most tools.
 pub const MOST: usize = 200;
-
-/// The most sections of shank and holder.
-const MOST_SECTIONS: usize = 100;
 
 /// Legal heights over the tip, mm.
 const HEIGHT: Range = Range { min: 0.0, max: 1e6 };
@@ -58,25 +55,6 @@ pub struct VerifiedTool {
     holder: Option<Vec<HolderSection>>,
 }
 
-schema_of!(HolderSections of HolderSection, "Sections of shank and holder, from below upwards.", {
-    array_of(reference::<HolderSection>(), 0, MOST_SECTIONS)
-});
-
-/// A section of shank or holder: a cylinder or a cone about the tool axis.
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct HolderSection {
-    /// Its length along the axis, in mm.
-    #[schema(minimum = 0.001, maximum = 1_000_000)]
-    length_mm: f64,
-    /// Its diameter at the lower end, in mm.
-    #[schema(minimum = 0.001, maximum = 1_000_000)]
-    diameter_mm: f64,
-    /// Its diameter at the upper end, in mm. Default: `diameter_mm`.
-    #[schema(minimum = 0.001, maximum = 1_000_000)]
-    top_diameter_mm: Option<f64>,
-}
-
 /// A tool in the core's terms, with the number by which the program calls it.
 #[derive(Debug)]
 pub struct NumberedTool {
@@ -99,16 +77,14 @@ impl VerifiedTool {
             stickout_mm,
             holder,
         } = self;
+        let shape = shape.of_mill(&at.field("shape"), violations);
         let sent = Tool::new(shape, diameter_mm, corner_radius_mm, (number, length_offset));
         let cutter = sent.convert(at, violations).cutter();
         violations.optional(&at.field("flute_length_mm"), flute_length_mm, Range::POSITIVE, "mm");
         violations.optional(&at.field("stickout_mm"), stickout_mm, HEIGHT, "mm");
         let holder = holder.unwrap_or_default();
         let at_holder = at.field("holder");
-        if holder.len() > MOST_SECTIONS {
-            let detail = format!("there are {} sections; send at most {MOST_SECTIONS}", holder.len());
-            violations.add(&at_holder, FieldCode::TooLong, detail);
-        }
+        holder::check(&at_holder, &holder, violations);
         if stickout_mm.is_some() && holder.is_empty() {
             let detail = "`stickout_mm` is the height of a `holder`; send the `holder`, or leave it out";
             violations.add(&at.field("stickout_mm"), FieldCode::Conflict, detail);
@@ -116,15 +92,10 @@ impl VerifiedTool {
         let has_holder = !holder.is_empty();
         let mut bottom_mm = stickout_mm.unwrap_or(0.0);
         let mut sections = Vec::with_capacity(holder.len());
-        for (k, section) in holder.into_iter().enumerate() {
-            let HolderSection { length_mm, diameter_mm, top_diameter_mm } = section;
-            let own = at_holder.index(k);
-            violations.number(&own.field("length_mm"), length_mm, Range::POSITIVE, "mm");
-            violations.number(&own.field("diameter_mm"), diameter_mm, Range::POSITIVE, "mm");
-            violations.optional(&own.field("top_diameter_mm"), top_diameter_mm, Range::POSITIVE, "mm");
+        for section in holder::converted(&holder) {
+            let length_mm = section.length_mm;
             let top_mm = bottom_mm + length_mm;
-            let [bottom_radius_mm, top_radius_mm] =
-                [diameter_mm, top_diameter_mm.unwrap_or(diameter_mm)].map(|diameter| 0.5 * diameter);
+            let [bottom_radius_mm, top_radius_mm] = section.diameters_mm.map(|diameter| 0.5 * diameter);
             // What is no wider than the cutter lies within the cutter's own shank.
             if bottom_radius_mm.max(top_radius_mm) > cutter.radius() {
                 sections.push(Frustum { bottom_mm, top_mm, bottom_radius_mm, top_radius_mm });

@@ -11,6 +11,7 @@ mod hard;
 mod heights;
 mod invariance;
 mod motion;
+mod open;
 mod plane;
 mod relief;
 mod rest;

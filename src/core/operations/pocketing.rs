@@ -61,6 +61,7 @@ mod labelling;
 mod leads;
 mod level;
 mod links;
+mod opened;
 mod part;
 mod path;
 mod pieces;
@@ -235,7 +236,7 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
     let mut is_begun = false;
     for (k, (level, conditions)) in levels.iter().zip(&conditions).enumerate() {
         let shape = &shapes[level.shape];
-        let (candidates, chosen) = choose(job, &found[level.shape], conditions, budget)?;
+        let (candidates, chosen) = choose(job, shape, &found[level.shape], conditions, budget)?;
         let level = LevelReport::new(shape, level, conditions, chosen, candidates, budget)?;
         report.levels.push(level.0);
         outlines.push(level.1);
@@ -307,15 +308,18 @@ fn routes_of_shapes(
     Ok(shapes.iter().map(|_| all.by_ref().take(patterns.len()).collect()).collect())
 }
 
-/// The candidates of a level, and the pattern with the least figure among the valid ones.
+/// The candidates of a level, and the pattern with the least figure among the valid ones. Where the cutter
+/// can come in over open edges, only the routes with the fewest entries into material are compared.
 fn choose<'a>(
     job: &Job,
+    shape: &Shape,
     found: &'a [Found],
     conditions: &Conditions,
     budget: &Budget,
 ) -> Result<(Vec<Candidate>, Chosen<'a>), PocketError> {
     let mut candidates = Vec::new();
-    let mut best: Option<(f64, Pattern, &Route)> = None;
+    let mut best: Option<((usize, f64), Pattern, &Route)> = None;
+    let n_entries = |route: &Route| if shape.is_open() { route.n_entries() } else { 0 };
     let mut failure = None;
     for (pattern, routes) in found {
         let routes = match routes {
@@ -326,7 +330,7 @@ fn choose<'a>(
                 continue;
             }
         };
-        let mut fastest: Option<(f64, Candidate, &Route)> = None;
+        let mut fastest: Option<((usize, f64), Candidate, &Route)> = None;
         let mut too_long = None;
         for route in routes {
             budget.check()?;
@@ -337,9 +341,9 @@ fn choose<'a>(
                 }
                 candidate => candidate?,
             };
-            let figure = candidate.figure(job.choose_by);
-            let is_better = |(least, other, _): &(f64, Candidate, &Route)| {
-                (candidate.valid, -figure) > (other.valid, -*least)
+            let figure = (n_entries(route), candidate.figure(job.choose_by));
+            let is_better = |(least, other, _): &((usize, f64), Candidate, &Route)| {
+                (!candidate.valid, figure) < (!other.valid, *least)
             };
             if fastest.as_ref().is_none_or(is_better) {
                 fastest = Some((figure, candidate, route));

@@ -219,6 +219,10 @@ pub enum Emptied {
 pub struct Job {
     /// The wall and the islands of the pocket. None, with a relief only, stands for the edge of the relief.
     pub area: Option<Outlines>,
+    /// The elements of the wall that are open: there the cutter may go beyond the wall, into the air.
+    pub open: Vec<Segment>,
+    /// Where material stands in plan, with holes as islands. None: all over the pocket.
+    pub stock: Option<Outlines>,
     pub relief: Option<Relief>,
     pub islands_by: IslandsBy,
     pub cleared: Vec<Emptied>,
@@ -303,6 +307,8 @@ impl Job {
     pub fn new(area: Outlines, floor_z_mm: f64, tool: Tool, stepover_mm: f64, feed: FeedRate) -> Self {
         Self {
             area: Some(area),
+            open: Vec::new(),
+            stock: None,
             relief: None,
             islands_by: IslandsBy::default(),
             cleared: Vec::new(),

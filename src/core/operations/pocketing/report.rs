@@ -249,7 +249,7 @@ impl LevelReport {
         let mut uncut: Vec<Vec<Segment>> = elements(&not_reached);
         uncut.extend(chosen.iter().flat_map(|(_, route)| &route.check.uncut).map(|element| vec![*element]));
         let &Level { top_z_mm, z_mm, .. } = level;
-        let outlines = LevelOutlines { top_z_mm, z_mm, pocket: elements(&shape.pocket), uncut };
+        let outlines = LevelOutlines { top_z_mm, z_mm, pocket: elements(shape.material()), uncut };
         let islands = shape.islands();
         let report = Self {
             z_mm,

@@ -17,6 +17,7 @@ use super::schema::{array_of, reference, schema_of};
 use super::setup::{self, JobWithSetup, SentSetup};
 use super::surface::Surface;
 use super::tool::Tool;
+use super::verification::Solid;
 use crate::config::Limits;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
@@ -49,6 +50,10 @@ pub struct PocketRequest {
     /// cutter's diameter.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     cell_mm: Option<f64>,
+    /// Where material stands: a solid, whose top is the default of `top_z_mm`. What of the pocket is outside
+    /// the stock is air. An edge that is open counts as closed where stock stands in front of it. Default: all
+    /// of the pocket is material, and nothing stands in front of open edges.
+    stock: Option<Solid>,
     /// What earlier tools have emptied. Only the material that is left is cut.
     #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(value_type = Option<ClearedList>)]
@@ -200,6 +205,7 @@ impl IntoJob for PocketRequest {
             surface,
             islands_by,
             cell_mm,
+            stock,
             cleared,
             top_z_mm,
             floor_z_mm,
@@ -239,7 +245,19 @@ impl IntoJob for PocketRequest {
         let at_cleared = root.field("cleared");
         let of_cleared = cleared.iter().flatten().enumerate();
         remarks.extend(of_cleared.filter_map(|(k, cleared)| cleared.remark(&at_cleared.index(k))));
-        let area = region.map(|region| region.convert(&root.field("region"), limits, &mut violations));
+        let at_region = root.field("region");
+        let area = region.map(|region| region.convert_with_open(&at_region, limits, &mut violations));
+        let (area, open) = area.map_or((None, Vec::new()), |(area, open)| (Some(area), open));
+        if relief.is_some() && !open.is_empty() {
+            let detail =
+                "open edges go with upright walls alone: leave `open` out, or `heights` and `surface`";
+            violations.add(&at_region.field("open"), FieldCode::Conflict, detail);
+        }
+        if area.is_none() && stock.is_some() {
+            let detail = "send the `region` that is cut out of the stock";
+            violations.add(&root.field("stock"), FieldCode::Conflict, detail);
+        }
+        let (stock, top_z_mm) = stock_of(stock, top_z_mm, limits, &mut violations);
         let cleared = emptied(cleared.unwrap_or_default(), limits, &mut violations);
         let checked_tool = tool.convert(&root.field("tool"), &mut violations);
         if !tool.is_flat() {
@@ -273,6 +291,8 @@ impl IntoJob for PocketRequest {
         violations.result()?;
         let job = core::Job {
             area,
+            open,
+            stock,
             relief,
             islands_by,
             cleared,
@@ -300,6 +320,24 @@ impl IntoJob for PocketRequest {
         };
         Ok(JobWithSetup { job, setup, meta })
     }
+}
+
+/// The stock in plan, and the height of its top.
+fn stock_of(
+    stock: Option<Solid>,
+    top_z_mm: Option<f64>,
+    limits: &Limits,
+    violations: &mut Violations,
+) -> (Option<core::Outlines>, Option<f64>) {
+    let Some(stock) = stock else { return (None, top_z_mm) };
+    let before = violations.total();
+    let (outlines, _, top_mm) = stock.stock(&Pointer::root().field("stock"), limits, violations).outlines();
+    if let Some(sent) = top_z_mm.filter(|sent| *sent != top_mm) {
+        let detail = format!("the stock ends at {top_mm} mm, and not at {sent} mm: leave `top_z_mm` out");
+        violations.add(&Pointer::root().field("top_z_mm"), FieldCode::Conflict, detail);
+    }
+    let is_whole = violations.total() == before;
+    (is_whole.then_some(outlines), Some(top_mm))
 }
 
 fn emptied(cleared: Vec<Cleared>, limits: &Limits, violations: &mut Violations) -> Vec<core::Emptied> {

@@ -12,6 +12,7 @@ mod heights;
 mod invariance;
 mod motion;
 mod plane;
+mod regions;
 mod relief;
 mod rest;
 mod samples;

@@ -73,8 +73,8 @@ pub struct Candidate {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketLevel))]
 pub struct LevelReport {
-    /// The indices of the `regions` that the level clears: several, where they are cut as one. Absent for a
-    /// pocket of one `region`.
+    /// The numbers of the `regions` that the level clears, counted from 0: several, where they are cut as
+    /// one. Absent for a pocket of one `region`.
     #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
     pub regions: Option<Vec<usize>>,
     /// Height of the level's floor, in mm.
@@ -105,7 +105,8 @@ const ROUNDING_MM: f64 = 1e-4;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketFinish))]
 pub struct FinishReport {
-    /// The indices of the `regions` whose walls are finished. Absent for a pocket of one `region`.
+    /// The numbers of the `regions` whose walls are finished, counted from 0. Absent for a pocket of one
+    /// `region`.
     #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
     pub regions: Option<Vec<usize>>,
     /// Height of the material's top, in mm.

@@ -13,6 +13,7 @@ mod invariance;
 mod motion;
 mod open;
 mod plane;
+mod regions;
 mod relief;
 mod rest;
 mod samples;

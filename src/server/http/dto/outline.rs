@@ -61,6 +61,11 @@ impl Region {
         Self { boundary, islands, open: None }
     }
 
+    /// The number of all vertices, or of pieces of texts.
+    pub fn n_vertices(&self) -> usize {
+        self.boundary.len() + self.islands.iter().flatten().map(Outline::len).sum::<usize>()
+    }
+
     /// The outlines in the core's terms, of a region whose edges are all closed. Adds violations to
     /// `violations`.
     pub fn convert(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> core::Outlines {

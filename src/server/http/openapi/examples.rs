@@ -26,7 +26,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
     "pockets-plan": [
         "arcs", "boss", "circle", "comb", "corner-island", "dome", "dumbbell", "fillets-above-radius", "fillets-below-radius",
         "hundred-islands", "island", "islands-on-walls", "l-shape", "narrow-gaps", "noisy-outline", "open-slot",
-        "rectangle", "rest", "three-bumps",
+        "rectangle", "regions", "rest", "three-bumps",
     ],
     "programs-read": ["drilling", "loop", "pocket"],
     "programs-write": ["contour", "holes", "inch-fanuc", "leaning", "one-line", "parabolas", "three-operations"],

@@ -219,12 +219,14 @@ impl<'a> Router<'a> {
     }
 
     /// The pieces of a stroke along which there is material. Each begins `lead` radii of the cutter before
-    /// its material.
+    /// its material. Over open edges it goes on as far behind the material, so that no burr stays at the
+    /// edge.
     pub fn pieces(&mut self, stroke: &[Segment], lead: f64) -> Result<Pieces, PocketError> {
         self.check_work()?;
         let (swept, budget) = (&mut self.swept, self.budget);
         let survey = |element: &Segment, enough| swept.survey(element, Enough::Angle(enough), budget);
-        Ok(pieces(stroke, self.conditions.radius_mm, lead, survey)?)
+        let beyond = if self.is_open { lead } else { 0.0 };
+        Ok(pieces(stroke, self.conditions.radius_mm, [lead, beyond], survey)?)
     }
 
     fn cut_all(&mut self, chains: &[Vec<Segment>]) -> Result<(), PocketError> {

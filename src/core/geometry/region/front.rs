@@ -60,7 +60,7 @@ impl Outline {
         if !are_open.contains(&true) {
             return Ok(Region::empty());
         }
-        let inside = Region::new(&[self.clone()], &[], budget)?;
+        let inside = Region::new(std::slice::from_ref(self), &[], budget)?;
         if !are_open.contains(&false) {
             return inside.offset_outward(width_mm, budget)?.difference(&inside, budget);
         }

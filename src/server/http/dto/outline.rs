@@ -49,8 +49,9 @@ pub struct Region {
     /// Outlines of what stays, in mm. Islands may overlap each other and the wall. Default: none.
     #[schema(value_type = Option<Islands>)]
     islands: Option<Vec<Outline>>,
-    /// The edges of `boundary` beyond which there is neither part nor material: the cutter comes in over
-    /// them from outside, and goes out by its radius and more. For pockets only. Default: none.
+    /// The edges of `boundary` beyond which there is neither part nor material, by the numbers of their
+    /// vertices: the cutter comes in over them from outside, and goes out by its radius and more. For pockets
+    /// only. Default: none.
     open: Option<OpenEdges>,
 }
 

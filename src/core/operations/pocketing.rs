@@ -66,6 +66,7 @@ mod leads;
 mod level;
 mod links;
 mod opened;
+mod outlines;
 mod part;
 mod path;
 mod pieces;

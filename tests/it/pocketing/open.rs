@@ -16,7 +16,7 @@ const GOUGE_MM: f64 = 2e-3;
 
 /// A place of the pocket counts as cut if the cutter passes nearer than its radius and this, mm: a burr at an
 /// outer corner may be as large.
-const SLACK_MM: f64 = 0.05;
+const SLACK_MM: f64 = 0.1;
 
 /// Distance of the places that are looked at, mm.
 const CELL_MM: f64 = 0.7;

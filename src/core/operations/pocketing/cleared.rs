@@ -3,7 +3,7 @@
 use super::PocketError;
 use super::chain::from_above;
 use super::job::Emptied;
-use super::part::region;
+use super::outlines::region;
 use super::rings;
 use crate::budget::Budget;
 use crate::geometry::region::Region;

@@ -14,7 +14,7 @@
 use super::PocketError;
 use super::cleared::paths_in_air;
 use super::job::Job;
-use super::part::Walls;
+use super::outlines::Walls;
 use crate::budget::Budget;
 use crate::geometry::region::Region;
 use crate::geometry::segment::Segment;

@@ -67,8 +67,8 @@ pub struct PocketRequest {
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     cell_mm: Option<f64>,
     /// Where material stands: a solid, whose top is the default of `top_z_mm`. What of the pocket is outside
-    /// the stock is air. An edge that is open counts as closed where stock stands in front of it. Default: all
-    /// of the pocket is material, and nothing stands in front of open edges.
+    /// the stock is air. An edge that is open counts as closed where stock stands in front of it. Default:
+    /// all of the pocket is material, and nothing stands in front of open edges.
     stock: Option<Solid>,
     /// What earlier tools have emptied. Only the material that is left is cut.
     #[serde(default, deserialize_with = "object::optional_list")]
@@ -356,13 +356,16 @@ fn stock_of(
 ) -> (Option<core::Outlines>, Option<f64>) {
     let Some(stock) = stock else { return (None, top_z_mm) };
     let before = violations.total();
-    let (outlines, _, top_mm) = stock.stock(&Pointer::root().field("stock"), limits, violations).outlines();
+    let stock = stock.stock(&Pointer::root().field("stock"), limits, violations);
+    if violations.total() > before {
+        return (None, top_z_mm);
+    }
+    let (outlines, _, top_mm) = stock.outlines();
     if let Some(sent) = top_z_mm.filter(|sent| *sent != top_mm) {
         let detail = format!("the stock ends at {top_mm} mm, and not at {sent} mm: leave `top_z_mm` out");
         violations.add(&Pointer::root().field("top_z_mm"), FieldCode::Conflict, detail);
     }
-    let is_whole = violations.total() == before;
-    (is_whole.then_some(outlines), Some(top_mm))
+    (Some(outlines), Some(top_mm))
 }
 
 fn emptied(cleared: Vec<Cleared>, limits: &Limits, violations: &mut Violations) -> Vec<core::Emptied> {

@@ -19,6 +19,10 @@ const GOOD: f64 = 0.5;
 /// Places on the circle of a helix at which it may end.
 const ENDS: usize = 8;
 
+/// How far beside the material the cutter comes down in the air, as a part of its radius, and mm.
+const BESIDE_MATERIAL: f64 = 0.05;
+const BESIDE_MATERIAL_MM: f64 = 0.2;
+
 /// The most places in the air from which a way into the material is looked for.
 const MOST_PLACES: usize = 8;
 
@@ -149,13 +153,17 @@ impl Router<'_> {
         })
     }
 
-    /// Comes down in the air, as near to a pose as possible, and goes on to it through the material.
+    /// Comes down in the air, a little beside the place where the cutter would touch the material that is
+    /// nearest to a pose, and goes on to the pose through the material.
     fn enter_from_air(&mut self, k: usize, to: Pose) -> Result<bool, PocketError> {
         let mut places: Vec<(f64, Point2<f64>)> =
             self.emptied.iter().flatten().map(|air| foot(air, to.at)).collect();
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut tried = 0;
-        for (_, place) in places {
+        let beside_mm = BESIDE_MATERIAL * self.conditions.radius_mm + BESIDE_MATERIAL_MM;
+        for (distance, touching) in places {
+            // The air is known a little too large.
+            let place = touching + (touching - to.at) * (beside_mm / distance.max(beside_mm));
             let is_in = self.parts()[k].region.place(place, BESIDE_MM) != Containment::Outside;
             if !is_in || !self.is_free(place) {
                 continue;

@@ -299,12 +299,12 @@ const VERIFIED_DIALECTS: [&str; 4] = ["linuxcnc", "fanuc", "siemens", "heidenhai
 
 impl Example {
     /// What its program is verified against. `None` where the part of the example is no part of a request to
-    /// verify: measured heights, a surface within walls, a stock that is partly cleared; and for the wires of
-    /// a paper, which gouge the part and report so.
+    /// verify: measured heights, a surface within walls, a stock that is partly cleared, several regions; and
+    /// for the wires of a paper, which gouge the part and report so.
     fn verified_against(&self) -> Option<Value> {
         let strategy = self.body.pointer("/strategy/kind").and_then(Value::as_str);
         let has = |member: &str| self.body.get(member).is_some();
-        if has("heights") || has("cleared") || strategy == Some("wire_union") {
+        if has("heights") || has("cleared") || has("regions") || strategy == Some("wire_union") {
             return None;
         }
         let members: &[&str] = match self.path.as_str() {

@@ -86,7 +86,7 @@ impl Scene {
     }
 
     /// The distance of a place from the part; negative inside.
-    fn from_part(&self, p: P) -> f64 {
+    fn distance_from_part(&self, p: P) -> f64 {
         let distance = self.stays.iter().flat_map(edges).map(|edge| edge.distance(p));
         let distance = distance.fold(f64::INFINITY, f64::min);
         if self.stays.iter().any(|one| one.contains(p)) { -distance } else { distance }
@@ -97,7 +97,7 @@ impl Scene {
     }
 
     /// The distance of a place from the pocket.
-    fn from_pocket(&self, p: P) -> f64 {
+    fn distance_from_pocket(&self, p: P) -> f64 {
         if self.is_pocket(p) {
             return 0.0;
         }
@@ -111,7 +111,8 @@ impl Scene {
             let (sin, cos) = (std::f64::consts::TAU * k as f64 / 96.0).sin_cos();
             [p[0] + 0.995 * self.radius * cos, p[1] + 0.995 * self.radius * sin]
         };
-        self.from_part(p) >= self.radius || (0..96).any(|k| self.from_part(aside(k)) >= self.radius)
+        self.distance_from_part(p) >= self.radius
+            || (0..96).any(|k| self.distance_from_part(aside(k)) >= self.radius)
     }
 
     fn places(&self) -> Vec<P> {
@@ -134,7 +135,7 @@ fn faults(body: &Body, job: &Job, plan: &Plan) -> Vec<String> {
     let mut faults = Vec::new();
     for motion in motions.iter().filter(|motion| is_below_top(motion)) {
         let points = motion.piece.points(0.002, 0.5);
-        let least = points.iter().map(|p| scene.from_part(*p)).fold(f64::INFINITY, f64::min);
+        let least = points.iter().map(|p| scene.distance_from_part(*p)).fold(f64::INFINITY, f64::min);
         if least < scene.radius + job.allowance_mm - GOUGE_MM {
             faults.push(format!("{:.4} mm into the part near {:?}", scene.radius - least, points[0]));
         }
@@ -177,7 +178,10 @@ fn is_cut_from_outside(body: &Body) {
     let (first, slopes) = entries(&job, &motions);
     assert!(!slopes, "a helix or a ramp in {body:?}");
     for p in first {
-        assert!(scene.from_pocket(p) > scene.radius - 0.06, "down into the material at {p:?} in {body:?}");
+        assert!(
+            scene.distance_from_pocket(p) > scene.radius - 0.06,
+            "down into the material at {p:?} in {body:?}"
+        );
     }
 }
 

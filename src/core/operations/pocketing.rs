@@ -4,16 +4,18 @@
 //! 1. The pocket is divided into levels (`level`). The pocket of a level comes from outlines, from measured
 //!    heights or from a surface (`part`, `labelling`). The cutter's centre may be in the pocket, offset
 //!    inward by the radius and the allowance.
-//! 2. Each pattern clears what is about a stepover inside. It makes chains of lines and arcs (`rings`,
-//!    `islands`, `rows`, `strips`), or follows what is left of the material (`engagement`). Then walls and
-//!    islands are cut with leads (`walls`). The `router` joins the chains: it chooses where loops begin,
-//!    links them, lifts, and comes down into the material (`entry`). It knows the angle of the cutter in the
-//!    material all along ([`engagement`](crate::machining::engagement)). What earlier tools have emptied
+//! 2. Each pattern first clears all but a layer about one stepover thick along walls and islands. It makes
+//!    chains of lines and arcs (`rings`, `islands`, `rows`, `strips`), or follows the edge of the material
+//!    (`engagement`). Then the layer is cut along walls and islands, with leads (`walls`). The `router` joins
+//!    the chains: it chooses where loops begin, links them, lifts, and comes down into the material
+//!    (`entry`), first at the place that the job names (`entry_place`). It knows the angle of the cutter in
+//!    the material all along ([`engagement`](crate::machining::engagement)). What earlier tools have emptied
 //!    counts as cut before the first move (`cleared`); then only the parts of chains that meet material are
 //!    cut (`pieces`).
 //! 3. Each route is checked for what it leaves, for gouges and for links through material (`check`).
-//! 4. On each level the route with the least time among those that pass the check is taken. The feed goes
-//!    down where the angle of the cutter in the material is large (`feeds`), so such places take their time.
+//! 4. On each level the route with the least time among those that pass the check is taken (`choice`). The
+//!    feed goes down where the angle of the cutter in the material is large (`feeds`), so such places take
+//!    their time.
 //! 5. Walls and floor are finished (`finish`).
 //!
 //! # Guarantees
@@ -45,6 +47,7 @@
 mod candidate;
 mod chain;
 mod check;
+mod choice;
 mod cleared;
 mod conditions;
 mod crossings;
@@ -52,6 +55,7 @@ mod depth;
 mod doubts;
 mod engagement;
 mod entry;
+mod entry_place;
 mod feeds;
 mod finish;
 mod growth;
@@ -83,8 +87,9 @@ use crate::toolpath::cutting::{Cutting, HeightError};
 use crate::toolpath::path::{Builder, PathError};
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::units::rounded_up;
-use candidate::{Route, routes};
+use candidate::routes;
 pub use check::{Exception, Invalid};
+use choice::{Found, choose};
 use conditions::Conditions;
 pub use doubts::{Doubt, doubts};
 pub use job::{
@@ -104,10 +109,25 @@ pub struct Plan {
     pub report: Report,
     /// Of each level of the report.
     pub outlines: Vec<LevelOutlines>,
+    /// In the order of the passes.
+    pub starts: Vec<LevelStart>,
     pub cutting: Cutting,
     /// The height of the stock's top or of the part's highest point, whichever is higher, mm.
     pub highest_mm: f64,
     pub warnings: Vec<Warning>,
+}
+
+/// Where the passes of a level begin, or the passes that finish walls over one depth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelStart {
+    /// The index of the first pass in the toolpath.
+    pub pass: usize,
+    /// The index of the level in the report.
+    pub level: usize,
+    /// The height to which the passes go, mm.
+    pub z_mm: f64,
+    /// The pattern of the level; none where walls are finished.
+    pub pattern: Option<Pattern>,
 }
 
 /// Something about the plan that the operator should know.
@@ -127,6 +147,10 @@ pub enum Warning {
         "patterns are compared by the paper's time: slots are cut at the full feed, unless a feed for slots is given"
     )]
     LoadNotBounded,
+    #[error(
+        "on {count} of {of} levels, first at {z_mm} mm, the cutter does not come down at the chosen place: the place is outside there, has no room for an entry, or needs none"
+    )]
+    EntryElsewhere { count: usize, of: usize, z_mm: f64 },
     #[error("islands by labelling are as coarse as the grid, and the path cuts up to {:.4} mm into the part", rounded_up(*gouge_mm))]
     IslandsByLabelling { gouge_mm: f64 },
 }
@@ -171,6 +195,14 @@ pub enum PocketError {
         "near {at} neither a helix of {least_mm} mm nor a ramp fits, and a plunge is not allowed; a tool of at most {largest_mm:.3} mm has room"
     )]
     NoEntry { at: Point2<f64>, least_mm: f64, largest_mm: f64 },
+    #[error(
+        "the place of the entry at {at} is {by_mm:.3} mm outside of where the cutter's centre may come down"
+    )]
+    EntryOutside { at: Point2<f64>, by_mm: f64 },
+    #[error(
+        "at {at}, the place of the entry, a helix has room for {room_mm:.3} mm and needs {least_mm} mm, and a plunge is not allowed"
+    )]
+    EntryTooNarrow { at: Point2<f64>, room_mm: f64, least_mm: f64 },
     #[error("the pocket needs more than {limit} {what}")]
     TooMuchWork { what: &'static str, limit: usize },
     #[error("no pattern passes the check; the first one fails because {because}")]
@@ -215,6 +247,7 @@ impl From<RegionError> for PocketError {
 /// ```
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
     let (heights, shapes, levels) = levels(job, budget)?;
+    entry_place::check(&job.entry, &shapes)?;
     let cutting = job.cutting.above(heights.highest_mm)?;
     let conditions: Vec<Conditions> = levels
         .iter()
@@ -232,6 +265,8 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
     };
     let mut builder = begin(Point2::origin());
     let (mut report, mut outlines) = (Report::default(), Vec::with_capacity(levels.len()));
+    let mut entries = entry_place::Entries::default();
+    let (mut starts, mut n_passes) = (Vec::new(), 0);
     let mut is_begun = false;
     for (k, (level, conditions)) in levels.iter().zip(&conditions).enumerate() {
         let shape = &shapes[level.shape];
@@ -239,7 +274,13 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
         let level = LevelReport::new(shape, level, conditions, chosen, candidates, budget)?;
         report.levels.push(level.0);
         outlines.push(level.1);
-        let Some((_, route)) = chosen else { continue };
+        let Some((pattern, route)) = chosen else { continue };
+        entries.add(&job.entry, &route.runs, conditions.z_mm);
+        if !route.runs.is_empty() {
+            let z_mm = conditions.z_mm;
+            starts.push(LevelStart { pass: n_passes, level: k, z_mm, pattern: Some(pattern) });
+        }
+        n_passes += route.runs.len();
         if let Some(run) = route.runs.first()
             && !std::mem::replace(&mut is_begun, true)
         {
@@ -252,6 +293,9 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
         None => Vec::new(),
     };
     for finished in &finished {
+        let (level, z_mm) = (finished.level, finished.z_mm);
+        starts.push(LevelStart { pass: n_passes, level, z_mm, pattern: None });
+        n_passes += finished.passes.iter().map(|(runs, _)| runs.len()).sum::<usize>();
         for (runs, conditions) in &finished.passes {
             if let Some(run) = runs.first()
                 && !std::mem::replace(&mut is_begun, true)
@@ -268,18 +312,13 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
     let toolpath = builder.finish()?;
     report.finish_with(&finished, job);
     report.finish(&toolpath, &shapes, &levels, &heights, job, &cutting)?;
-    let warnings = warnings(job, &report);
-    Ok(Plan { toolpath, report, outlines, cutting, highest_mm: heights.highest_mm, warnings })
+    let mut warnings = warnings(job, &report);
+    warnings.extend(entries.warning());
+    Ok(Plan { toolpath, report, outlines, starts, cutting, highest_mm: heights.highest_mm, warnings })
 }
 
 /// A distance from walls that is less than asked for by no more is rounding, mm.
 const SIDE_ACCURACY_MM: f64 = 1e-5;
-
-/// The routes of one pattern, or why it has none.
-type Found = (Pattern, Result<Vec<Route>, PocketError>);
-
-/// The pattern of a level with its route; none where the tool fits nowhere.
-type Chosen<'a> = Option<(Pattern, &'a Route)>;
 
 /// For each shape the routes of all patterns; none where the tool fits nowhere.
 fn routes_of_shapes(
@@ -305,63 +344,6 @@ fn routes_of_shapes(
     };
     let mut all = budget.in_order(shapes.len() * patterns.len(), find)?.into_iter();
     Ok(shapes.iter().map(|_| all.by_ref().take(patterns.len()).collect()).collect())
-}
-
-/// The candidates of a level, and the pattern with the least figure among the valid ones.
-fn choose<'a>(
-    job: &Job,
-    found: &'a [Found],
-    conditions: &Conditions,
-    budget: &Budget,
-) -> Result<(Vec<Candidate>, Chosen<'a>), PocketError> {
-    let mut candidates = Vec::new();
-    let mut best: Option<(f64, Pattern, &Route)> = None;
-    let mut failure = None;
-    for (pattern, routes) in found {
-        let routes = match routes {
-            Ok(routes) => routes,
-            Err(error) => {
-                candidates.push(Candidate::failed(*pattern, error.to_string()));
-                failure.get_or_insert_with(|| error.clone());
-                continue;
-            }
-        };
-        let mut fastest: Option<(f64, Candidate, &Route)> = None;
-        let mut too_long = None;
-        for route in routes {
-            budget.check()?;
-            let candidate = match Candidate::new(*pattern, route, conditions, job.move_limit) {
-                Err(error @ PocketError::Path(PathError::TooManyMoves { .. })) => {
-                    too_long = Some(error);
-                    continue;
-                }
-                candidate => candidate?,
-            };
-            let figure = candidate.figure(job.choose_by);
-            let is_better = |(least, other, _): &(f64, Candidate, &Route)| {
-                (candidate.valid, -figure) > (other.valid, -*least)
-            };
-            if fastest.as_ref().is_none_or(is_better) {
-                fastest = Some((figure, candidate, route));
-            }
-        }
-        if let (None, Some(error)) = (&fastest, too_long) {
-            candidates.push(Candidate::failed(*pattern, error.to_string()));
-            failure.get_or_insert(error);
-        }
-        let Some((figure, candidate, route)) = fastest else { continue };
-        if candidate.valid && best.is_none_or(|(least, ..)| figure < least) {
-            best = Some((figure, *pattern, route));
-        }
-        candidates.push(candidate);
-    }
-    if let Some((_, pattern, route)) = best {
-        return Ok((candidates, Some((pattern, route))));
-    }
-    let because = candidates.iter().find_map(|candidate| candidate.invalid_because.clone());
-    let invalid = because.map(|because| PocketError::NoneValid { because });
-    // Where the tool fits nowhere there are no routes at all.
-    failure.or(invalid).map_or(Ok((candidates, None)), Err)
 }
 
 fn append_level(

@@ -13,7 +13,7 @@
 use nalgebra::{Point2, Vector2};
 
 use super::PocketError;
-use super::chain::{begun_at, nearest};
+use super::chain::{begun_at, first_part, nearest};
 use super::conditions::Conditions;
 use super::job::{LeadKind, Milling};
 use super::level::Room;
@@ -112,7 +112,7 @@ fn cut_loop<'a>(router: &mut Router<'a>, room: &'a Room, wall: &[Segment]) -> Re
     let length: f64 = pass.iter().map(Segment::length).sum();
     let conditions = router.conditions;
     let overlap = conditions.lead.overlap_mm.unwrap_or(OVERLAP * conditions.radius_mm).min(length);
-    pass.extend(first(&pass, overlap));
+    pass.extend(first_part(&pass, overlap));
     cut_piece(router, room, &pass)
 }
 
@@ -128,7 +128,11 @@ fn cut_piece<'a>(router: &mut Router<'a>, room: &'a Room, pass: &[Segment]) -> R
     let is_safe = room.safe.place(chain[0].start(), BESIDE_MM) != Containment::Outside;
     router.move_within(if is_safe { &room.safe } else { &room.centers });
     if !router.come_to(&chain)? {
-        return Ok(());
+        // A part that has no room for an entry away from its walls may have room for a ramp along them.
+        router.move_within(&room.centers);
+        if !is_safe || !router.come_to(&chain)? {
+            return Ok(());
+        }
     }
     router.follow(&lead_in.into_iter().collect::<Vec<_>>(), Purpose::LeadIn)?;
     router.follow(pass, Purpose::Cut)?;
@@ -228,19 +232,4 @@ fn side(along: Vector2<f64>, conditions: &Conditions) -> (Vector2<f64>, f64) {
         Milling::Climb => (left(along), quarter),
         Milling::Conventional => (-left(along), -quarter),
     }
-}
-
-/// The first `length_mm` of a chain.
-fn first(chain: &[Segment], length_mm: f64) -> Vec<Segment> {
-    let mut rest = length_mm;
-    let mut part = Vec::new();
-    for element in chain {
-        let own = element.length();
-        if rest <= 0.0 || own == 0.0 {
-            break;
-        }
-        part.push(if own <= rest { *element } else { element.part(0.0, rest / own) });
-        rest -= own;
-    }
-    part
 }

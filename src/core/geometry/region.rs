@@ -31,6 +31,7 @@
 
 mod arrangement;
 mod contacts;
+mod front;
 mod grown;
 mod narrow;
 mod orbits;
@@ -45,6 +46,7 @@ use crate::geometry::offset::OffsetError;
 use crate::geometry::offset::tree::{Bounds, Tree};
 use crate::geometry::segment::Segment;
 use arrangement::{Arrangement, ArrangementError, Loop, SNAP_MM};
+pub use front::Stretches;
 pub use outline::{Outline, OutlineError, area};
 
 /// The snaps and the passes of the arrangements that are tried, until one puts every side of its edges where

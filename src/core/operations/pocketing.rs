@@ -15,6 +15,8 @@
 //! 4. On each level the route with the least time among those that pass the check is taken. The feed goes
 //!    down where the angle of the cutter in the material is large (`feeds`), so such places take their time.
 //! 5. Walls and floor are finished (`finish`).
+//! 6. Steps 1 to 5 plan one area (`area`). Several regions make areas that have nothing in common
+//!    (`regions`), and each area is planned alone. Their paths become one toolpath (`join`).
 //!
 //! # Guarantees
 //! * Where the room is wide enough, only passes along walls and islands and their leads touch these, or come
@@ -42,6 +44,7 @@
 //! # Reference
 //! J. Ryu, S. Kang, Y. Jeon, *The minimum time pocketing cycle for the workshop oriented programming*.
 
+mod area;
 mod candidate;
 mod chain;
 mod check;
@@ -57,13 +60,17 @@ mod finish;
 mod growth;
 mod islands;
 mod job;
+mod join;
 mod labelling;
 mod leads;
 mod level;
 mod links;
+mod opened;
+mod outlines;
 mod part;
 mod path;
 mod pieces;
+mod regions;
 mod report;
 mod rings;
 mod router;
@@ -72,7 +79,7 @@ mod strips;
 mod walls;
 mod work;
 
-use nalgebra::{Point2, Point3};
+use nalgebra::Point2;
 
 use crate::budget::{Budget, Stopped};
 use crate::geometry::height_field::HeightFieldError;
@@ -80,22 +87,19 @@ use crate::geometry::region::{OutlineError, RegionError};
 use crate::geometry::surface::source::SourceError;
 use crate::toolpath::Toolpath;
 use crate::toolpath::cutting::{Cutting, HeightError};
-use crate::toolpath::path::{Builder, PathError};
+use crate::toolpath::path::PathError;
 use crate::toolpath::quantize::QuantizeError;
 use crate::toolpath::units::rounded_up;
-use candidate::{Route, routes};
+use area::Area;
 pub use check::{Exception, Invalid};
-use conditions::Conditions;
 pub use doubts::{Doubt, doubts};
 pub use job::{
-    ChooseBy, Emptied, EntryLimits, Finish, FinishFloor, FinishWalls, IslandsBy, Job, Lead, LeadKind, Load,
-    Milling, Only, Outlines, Pattern, Relief,
+    ChooseBy, Emptied, EntryLimits, Finish, FinishFloor, FinishWalls, IslandsBy, Job, Lead, LeadKind,
+    LevelOrder, Load, Milling, Only, Outlines, Pattern, Regions, Relief, Sequence,
 };
 pub use labelling::MOST_CELLS;
 pub use level::{Island, MOST_LEVELS, MOST_RADII, Uncut};
-use level::{Level, Shape, Stage, levels};
 pub use report::{Candidate, LevelOutlines, LevelReport, Report};
-use router::Run;
 
 /// A planned pocket.
 #[derive(Debug, Clone)]
@@ -175,6 +179,17 @@ pub enum PocketError {
     TooMuchWork { what: &'static str, limit: usize },
     #[error("no pattern passes the check; the first one fails because {because}")]
     NoneValid { because: String },
+    #[error("{}: {error}", named(regions))]
+    OfRegions { regions: Vec<usize>, error: Box<PocketError> },
+}
+
+/// Regions by their indices; several are cut as one.
+fn named(regions: &[usize]) -> String {
+    let indices: Vec<String> = regions.iter().map(usize::to_string).collect();
+    match regions {
+        [only] => format!("region {only}"),
+        _ => format!("regions {} as one", indices.join(", ")),
+    }
 }
 
 impl From<RegionError> for PocketError {
@@ -214,164 +229,14 @@ impl From<RegionError> for PocketError {
 /// assert!(report.gouge_max_mm < 0.001);
 /// ```
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, PocketError> {
-    let (heights, shapes, levels) = levels(job, budget)?;
-    let cutting = job.cutting.above(heights.highest_mm)?;
-    let conditions: Vec<Conditions> = levels
-        .iter()
-        .map(|level| {
-            let range = [level.top_z_mm, level.z_mm];
-            let floor = job.finishing_floor().filter(|_| level.stage == Stage::Floor);
-            let job = floor.as_ref().unwrap_or(job);
-            let cutting = Cutting { feed: job.cutting.feed, ..cutting };
-            Conditions::new(job, &cutting, heights.highest_mm, range, shapes.len())
-        })
-        .collect();
-    let found = routes_of_shapes(job, &shapes, &levels, &conditions, budget)?;
-    let begin = |at: Point2<f64>| {
-        Toolpath::builder(Point3::new(at.x, at.y, cutting.clearance_z_mm)).with_limit(job.move_limit)
-    };
-    let mut builder = begin(Point2::origin());
-    let (mut report, mut outlines) = (Report::default(), Vec::with_capacity(levels.len()));
-    let mut is_begun = false;
-    for (k, (level, conditions)) in levels.iter().zip(&conditions).enumerate() {
-        let shape = &shapes[level.shape];
-        let (candidates, chosen) = choose(job, &found[level.shape], conditions, budget)?;
-        let level = LevelReport::new(shape, level, conditions, chosen, candidates, budget)?;
-        report.levels.push(level.0);
-        outlines.push(level.1);
-        let Some((_, route)) = chosen else { continue };
-        if let Some(run) = route.runs.first()
-            && !std::mem::replace(&mut is_begun, true)
-        {
-            builder = begin(run.start);
-        }
-        append_level(&mut builder, k, &route.runs, conditions)?;
+    match &job.regions {
+        Some(regions) => regions::plan(job, regions, budget),
+        None => join::alone(job, Area::new(job, None, budget)?, budget),
     }
-    let finished = match job.finishing_walls() {
-        Some(finish) => finish::walls(job, finish, &shapes, &levels, &heights, &cutting, budget)?,
-        None => Vec::new(),
-    };
-    for finished in &finished {
-        for (runs, conditions) in &finished.passes {
-            if let Some(run) = runs.first()
-                && !std::mem::replace(&mut is_begun, true)
-            {
-                builder = begin(run.start);
-            }
-            append_level(&mut builder, finished.level, runs, conditions)?;
-        }
-    }
-    if !is_begun {
-        return Err(PocketError::NothingToCut);
-    }
-    builder.rapid_to_height(cutting.clearance_z_mm)?;
-    let toolpath = builder.finish()?;
-    report.finish_with(&finished, job);
-    report.finish(&toolpath, &shapes, &levels, &heights, job, &cutting)?;
-    let warnings = warnings(job, &report);
-    Ok(Plan { toolpath, report, outlines, cutting, highest_mm: heights.highest_mm, warnings })
 }
 
 /// A distance from walls that is less than asked for by no more is rounding, mm.
 const SIDE_ACCURACY_MM: f64 = 1e-5;
-
-/// The routes of one pattern, or why it has none.
-type Found = (Pattern, Result<Vec<Route>, PocketError>);
-
-/// The pattern of a level with its route; none where the tool fits nowhere.
-type Chosen<'a> = Option<(Pattern, &'a Route)>;
-
-/// For each shape the routes of all patterns; none where the tool fits nowhere.
-fn routes_of_shapes(
-    job: &Job,
-    shapes: &[Shape],
-    levels: &[Level],
-    conditions: &[Conditions],
-    budget: &Budget,
-) -> Result<Vec<Vec<Found>>, PocketError> {
-    let patterns = &job.patterns;
-    let find = |k: usize| {
-        let (shape, pattern) = (k / patterns.len(), patterns[k % patterns.len()]);
-        // The conditions of the shape's first level do for all its levels: lifts take about as long on each.
-        let level = levels.iter().position(|level| level.shape == shape).ok_or(Stopped::Cancelled)?;
-        let is_cut = job.only != Some(Only::Finishing) || levels[level].stage == Stage::Floor;
-        if !is_cut || shapes[shape].room.centers.is_empty() {
-            return Ok((pattern, Ok(Vec::new())));
-        }
-        match routes(pattern, &shapes[shape], &conditions[level], budget) {
-            Err(PocketError::Stopped(stopped)) => Err(stopped),
-            found => Ok((pattern, found)),
-        }
-    };
-    let mut all = budget.in_order(shapes.len() * patterns.len(), find)?.into_iter();
-    Ok(shapes.iter().map(|_| all.by_ref().take(patterns.len()).collect()).collect())
-}
-
-/// The candidates of a level, and the pattern with the least figure among the valid ones.
-fn choose<'a>(
-    job: &Job,
-    found: &'a [Found],
-    conditions: &Conditions,
-    budget: &Budget,
-) -> Result<(Vec<Candidate>, Chosen<'a>), PocketError> {
-    let mut candidates = Vec::new();
-    let mut best: Option<(f64, Pattern, &Route)> = None;
-    let mut failure = None;
-    for (pattern, routes) in found {
-        let routes = match routes {
-            Ok(routes) => routes,
-            Err(error) => {
-                candidates.push(Candidate::failed(*pattern, error.to_string()));
-                failure.get_or_insert_with(|| error.clone());
-                continue;
-            }
-        };
-        let mut fastest: Option<(f64, Candidate, &Route)> = None;
-        let mut too_long = None;
-        for route in routes {
-            budget.check()?;
-            let candidate = match Candidate::new(*pattern, route, conditions, job.move_limit) {
-                Err(error @ PocketError::Path(PathError::TooManyMoves { .. })) => {
-                    too_long = Some(error);
-                    continue;
-                }
-                candidate => candidate?,
-            };
-            let figure = candidate.figure(job.choose_by);
-            let is_better = |(least, other, _): &(f64, Candidate, &Route)| {
-                (candidate.valid, -figure) > (other.valid, -*least)
-            };
-            if fastest.as_ref().is_none_or(is_better) {
-                fastest = Some((figure, candidate, route));
-            }
-        }
-        if let (None, Some(error)) = (&fastest, too_long) {
-            candidates.push(Candidate::failed(*pattern, error.to_string()));
-            failure.get_or_insert(error);
-        }
-        let Some((figure, candidate, route)) = fastest else { continue };
-        if candidate.valid && best.is_none_or(|(least, ..)| figure < least) {
-            best = Some((figure, *pattern, route));
-        }
-        candidates.push(candidate);
-    }
-    if let Some((_, pattern, route)) = best {
-        return Ok((candidates, Some((pattern, route))));
-    }
-    let because = candidates.iter().find_map(|candidate| candidate.invalid_because.clone());
-    let invalid = because.map(|because| PocketError::NoneValid { because });
-    // Where the tool fits nowhere there are no routes at all.
-    failure.or(invalid).map_or(Ok((candidates, None)), Err)
-}
-
-fn append_level(
-    builder: &mut Builder,
-    k: usize,
-    runs: &[Run],
-    conditions: &Conditions,
-) -> Result<(), PathError> {
-    path::append(builder, u32::try_from(k).unwrap_or(u32::MAX), runs, conditions)
-}
 
 fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
     let mut warnings = Vec::new();

@@ -299,12 +299,12 @@ const VERIFIED_DIALECTS: [&str; 4] = ["linuxcnc", "fanuc", "siemens", "heidenhai
 
 impl Example {
     /// What its program is verified against. `None` where the part of the example is no part of a request to
-    /// verify: measured heights, a surface within walls, a stock that is partly cleared; and for the wires of
-    /// a paper, which gouge the part and report so.
+    /// verify: measured heights, a surface within walls, a stock that is partly cleared, several regions; and
+    /// for the wires of a paper, which gouge the part and report so.
     fn verified_against(&self) -> Option<Value> {
         let strategy = self.body.pointer("/strategy/kind").and_then(Value::as_str);
         let has = |member: &str| self.body.get(member).is_some();
-        if has("heights") || has("cleared") || strategy == Some("wire_union") {
+        if has("heights") || has("cleared") || has("regions") || strategy == Some("wire_union") {
             return None;
         }
         let members: &[&str] = match self.path.as_str() {
@@ -318,7 +318,30 @@ impl Example {
         for member in members.iter().filter(|member| has(member)) {
             against[*member] = self.body[*member].clone();
         }
+        if self.body.pointer("/region/open").is_some() {
+            self.open_in_front(&mut against);
+        }
         Some(against)
+    }
+
+    /// Says what lies in front of open edges: a part whose pocket goes on there, and stock only in the region.
+    fn open_in_front(&self, against: &mut Value) {
+        let boundary = match self.name.rsplit('/').next() {
+            Some("boss") => json!([[-30, -30], [130, -30], [130, 110], [-30, 110]]),
+            Some("open-slot") => json!([[-30, 0], [110, 0], [110, 25], [-30, 25]]),
+            _ => panic!("the test does not know what lies in front of {}", self.name),
+        };
+        let stock = self.body.get("stock").cloned().unwrap_or_else(|| {
+            let (bottom, top) = (&self.body["floor_z_mm"], 0);
+            let inside = &self.body["region"]["boundary"];
+            json!({ "kind": "outline", "boundary": inside, "bottom_z_mm": bottom, "top_z_mm": top })
+        });
+        if let Some(top) = stock.pointer("/max/2") {
+            against["top_z_mm"] = top.clone();
+        }
+        let islands = self.body.pointer("/region/islands").cloned().unwrap_or_else(|| json!([]));
+        against["region"] = json!({ "boundary": boundary, "islands": islands });
+        against["stock"] = stock;
     }
 }
 

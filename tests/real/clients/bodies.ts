@@ -76,6 +76,21 @@ export const planned: Body<"planPocket"> = {
   machine: { max_rpm: 12_000 },
 };
 
+// Several pockets, each level of both before the next level.
+export const several: Body<"planPocket"> = {
+  regions: [
+    { boundary: [[0, 0], [30, 0], [30, 30], [0, 30]] },
+    { boundary: [[40, 0], [60, 0], [60, 30], [40, 30]] },
+  ],
+  order: "level_first",
+  sequence: "as_given",
+  floor_z_mm: -4,
+  stepdown_max_mm: 2,
+  tool: { shape: "flat", diameter_mm: 8 },
+  stepover_mm: 3,
+  cutting: { feed_mm_per_min: 800 },
+};
+
 export const model: Body<"modelSurface"> = { surface };
 
 export const smooth: Body<"smoothPath"> = {

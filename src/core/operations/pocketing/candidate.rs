@@ -6,11 +6,13 @@ use super::PocketError;
 use super::check::{Check, check};
 use super::conditions::Conditions;
 use super::crossings::Frame;
+use super::entry::Entry;
 use super::job::{Load, Milling, Pattern};
 use super::level::{Room, Shape};
 use super::rings::{self, Order};
 use super::router::{Router, Run};
 use super::rows::{self, AtIsland, Layout};
+use super::walls::Followed;
 use super::{engagement, islands, strips, walls, work};
 use crate::budget::Budget;
 use crate::geometry::region::Region;
@@ -29,6 +31,13 @@ pub struct Route {
     pub check: Check,
 }
 
+impl Route {
+    /// How often the cutter comes down where material stands.
+    pub fn n_entries(&self) -> usize {
+        self.runs.iter().filter(|run| run.entry != Entry::Open).count()
+    }
+}
+
 /// The routes of a pattern, of which the fastest is to be taken. Each first clears the inner region of the
 /// room in its own way, and then cuts along walls and islands.
 pub fn routes(
@@ -38,12 +47,12 @@ pub fn routes(
     budget: &Budget,
 ) -> Result<Vec<Route>, PocketError> {
     // Earlier tools may have left little to do.
-    if shape.emptied.is_empty() {
+    if shape.emptied.is_empty() || shape.is_open() {
         work::check(pattern, shape.path_length_mm(conditions.stepover_mm), conditions)?;
     }
     let Shape { room, emptied, .. } = shape;
     let (radius, stepover) = (conditions.radius_mm, conditions.stepover_mm);
-    let begin = || Router::new(conditions, &room.safe, emptied, budget);
+    let begin = || Router::new(conditions, &room.safe, emptied, budget).with_open_edges(shape.is_open());
     let layout = |area: Region, needed: Region, at_island| Ok::<_, PocketError>((area, needed, at_island));
     let ways = match pattern {
         Pattern::IslandOffset => {
@@ -90,7 +99,7 @@ pub fn routes(
 
 /// The runs of a router after the pass along walls and islands.
 fn walled<'a>(mut router: Router<'a>, room: &'a Room) -> Result<Vec<Run>, PocketError> {
-    walls::cut(&mut router, room, false)?;
+    walls::cut(&mut router, room, Followed::WhereMaterialIs)?;
     Ok(router.finish())
 }
 
@@ -99,9 +108,10 @@ fn walled<'a>(mut router: Router<'a>, room: &'a Room) -> Result<Vec<Run>, Pocket
 fn bounded(shape: &Shape, conditions: &Conditions, budget: &Budget) -> Result<Vec<Run>, PocketError> {
     let Shape { room, emptied, .. } = shape;
     let cut = |room: &Room, emptied: &[Vec<Segment>], conditions: &Conditions| {
-        let mut router = Router::new(conditions, &room.inner, emptied, budget);
+        let mut router =
+            Router::new(conditions, &room.inner, emptied, budget).with_open_edges(shape.is_open());
         engagement::cut(&mut router, &room.inner, budget)?;
-        walls::cut(&mut router, room, false)?;
+        walls::cut(&mut router, room, Followed::WhereMaterialIs)?;
         Ok(router.finish())
     };
     if conditions.milling == Milling::Climb {

@@ -56,6 +56,21 @@ pub fn begun_at(elements: &[Segment], k: usize, t: f64) -> Vec<Segment> {
     begun
 }
 
+/// The first `length_mm` of a chain, or all of a shorter chain.
+pub fn first_part(chain: &[Segment], length_mm: f64) -> Vec<Segment> {
+    let mut rest = length_mm;
+    let mut part = Vec::new();
+    for element in chain {
+        let length = element.length();
+        if rest <= 0.0 || length == 0.0 {
+            break;
+        }
+        part.push(if length <= rest { *element } else { element.part(0.0, rest / length) });
+        rest -= length;
+    }
+    part
+}
+
 /// The curve seen from above.
 pub fn from_above(along: &Curve) -> Segment {
     let (start, end) = (along.start().xy(), along.end().xy());

@@ -10,7 +10,7 @@ use super::pieces::thinnest_mm;
 use super::router::{Purpose, Run};
 use crate::budget::Budget;
 use crate::geometry::offset::swept;
-use crate::geometry::region::{self, Region};
+use crate::geometry::region::{self, Outline, Region};
 use crate::geometry::segment::Segment;
 
 /// Uncut slivers that are thinner are forgiven, mm: a hundredth of a finishing allowance.
@@ -88,21 +88,31 @@ pub fn check(
     angles(runs, conditions, &mut check);
     let chains: Vec<Vec<Segment>> = runs.iter().map(Run::chain).collect();
     let all: Vec<&[Segment]> = chains.iter().chain(&shape.emptied).map(Vec::as_slice).collect();
-    let boundary = swept::boundary(&all, conditions.radius_mm, budget)?;
     // What strokes leave as too thin is forgiven.
     let sliver_mm = SLIVER_MM.max(thinnest_mm(conditions.radius_mm));
-    let is_inside = |element: &&Segment| {
-        element.length() > SPECK_MM && shape.reach.distance_to_boundary(element.at(0.5)) > sliver_mm
-    };
-    check.uncut = boundary.iter().filter(is_inside).copied().collect();
-    if !check.uncut.is_empty() {
-        check.uncut_area_mm2 = if shape.emptied.is_empty() {
-            (shape.reach.area() - region::area(&boundary)).max(0.0)
-        } else {
-            // Emptied places may be outside the reach.
-            let swept = Region::swept(&all, conditions.radius_mm, budget)?;
-            shape.reach.difference(&swept, budget)?.area()
+    if shape.opened.is_some() {
+        // What is swept may run beside material that no route has touched.
+        let swept = Region::swept(&all, conditions.radius_mm, budget)?;
+        let left = shape.reach.difference(&swept, budget)?;
+        if !left.is_empty() && !left.offset_inward(0.5 * sliver_mm, budget)?.is_empty() {
+            check.uncut = left.outlines().flat_map(Outline::elements).copied().collect();
+            check.uncut_area_mm2 = left.area();
+        }
+    } else {
+        let boundary = swept::boundary(&all, conditions.radius_mm, budget)?;
+        let is_inside = |element: &&Segment| {
+            element.length() > SPECK_MM && shape.reach.distance_to_boundary(element.at(0.5)) > sliver_mm
         };
+        check.uncut = boundary.iter().filter(is_inside).copied().collect();
+        if !check.uncut.is_empty() {
+            check.uncut_area_mm2 = if shape.emptied.is_empty() {
+                (shape.reach.area() - region::area(&boundary)).max(0.0)
+            } else {
+                // Emptied places may be outside the reach.
+                let swept = Region::swept(&all, conditions.radius_mm, budget)?;
+                shape.reach.difference(&swept, budget)?.area()
+            };
+        }
     }
     let allowed = UNCUT_PART * shape.reach.area();
     if check.uncut_area_mm2 > allowed {

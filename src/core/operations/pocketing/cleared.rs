@@ -3,7 +3,7 @@
 use super::PocketError;
 use super::chain::from_above;
 use super::job::Emptied;
-use super::part::region;
+use super::outlines::region;
 use super::rings;
 use crate::budget::Budget;
 use crate::geometry::region::Region;
@@ -93,8 +93,21 @@ pub fn paths_over(
     if emptied.is_empty() {
         return Ok(Vec::new());
     }
-    let emptied = emptied.offset_outward(SKIN_MM, budget)?;
     let pocket = pocket.offset_outward(SKIN_MM, budget)?;
-    let centers = emptied.intersection(&pocket, budget)?.offset_inward(radius_mm, budget)?;
+    let emptied = emptied.offset_outward(SKIN_MM, budget)?.intersection(&pocket, budget)?;
+    over(&emptied, radius_mm, budget)
+}
+
+/// Paths on which a cutter sweeps the air in and around a pocket.
+pub fn paths_in_air(air: &Region, radius_mm: f64, budget: &Budget) -> Result<Vec<Vec<Segment>>, PocketError> {
+    if air.is_empty() {
+        return Ok(Vec::new());
+    }
+    over(&air.offset_outward(SKIN_MM, budget)?, radius_mm, budget)
+}
+
+/// Paths on which a cutter sweeps a region as far as it fits in it.
+fn over(region: &Region, radius_mm: f64, budget: &Budget) -> Result<Vec<Vec<Segment>>, PocketError> {
+    let centers = region.offset_inward(radius_mm, budget)?;
     Ok(rings::inside_out(&rings::rings(&centers, radius_mm, APART * radius_mm, budget)?))
 }

@@ -2,7 +2,8 @@
 
 use nalgebra::{Point2, Vector3};
 
-use super::job::{Job, Outlines, Relief};
+use super::job::{Job, Outlines, Regions, Relief};
+use super::regions::{CutIsland, cut_islands};
 use super::{Plan, PocketError};
 use crate::budget::Budget;
 use crate::geometry::height_field::HeightGrid;
@@ -22,14 +23,23 @@ const SLIGHT_MM: f64 = 0.005;
 /// A doubt about a pocket.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Doubt {
-    #[error("island {index} lies wholly outside the wall, and changes nothing")]
-    IslandOutside { index: usize },
+    #[error("island {index}{} lies wholly outside the wall, and changes nothing", of_region(*region))]
+    IslandOutside { region: Option<usize>, index: usize },
+    #[error(
+        "region {by} cuts a part of island {index} of region {region}: an island stays in its own region alone"
+    )]
+    IslandCut { region: usize, index: usize, by: usize },
     #[error(
         "the region reaches {by_mm:.3} mm beyond the box around the part: nothing is known of the part there, and nothing is cut there"
     )]
     RegionBeyondPart { by_mm: f64 },
     #[error("the part is {part_mm:.3} mm high, and the top of the stock lies lower, at {top_mm} mm")]
     StockBelowPart { top_mm: f64, part_mm: f64 },
+}
+
+/// The region of an island, if there are several regions.
+fn of_region(region: Option<usize>) -> String {
+    region.map_or_else(String::new, |region| format!(" of region {region}"))
 }
 
 /// The doubts about a job that has been planned.
@@ -40,7 +50,10 @@ pub fn doubts(job: &Job, plan: &Plan, budget: &Budget) -> Result<Vec<Doubt>, Poc
     let mut doubts = Vec::new();
     if let Some(area) = &job.area {
         let outside = islands_outside(area, budget)?;
-        doubts.extend(outside.into_iter().map(|index| Doubt::IslandOutside { index }));
+        doubts.extend(outside.into_iter().map(|index| Doubt::IslandOutside { region: None, index }));
+    }
+    if let Some(Regions { all, .. }) = &job.regions {
+        doubts.extend(doubts_of_regions(all, budget)?);
     }
     if let (Some(area), Some(relief)) = (&job.area, &job.relief)
         && let Some(by_mm) = beyond_mm(&area.boundary, part_box(relief, budget)?, budget)?
@@ -50,6 +63,19 @@ pub fn doubts(job: &Job, plan: &Plan, budget: &Budget) -> Result<Vec<Doubt>, Poc
     if let Some(top_mm) = job.top_z_mm.filter(|top_mm| plan.highest_mm > top_mm + SLIGHT_MM) {
         doubts.push(Doubt::StockBelowPart { top_mm, part_mm: plan.highest_mm });
     }
+    Ok(doubts)
+}
+
+/// The doubts about several regions.
+fn doubts_of_regions(regions: &[Outlines], budget: &Budget) -> Result<Vec<Doubt>, PocketError> {
+    let mut doubts = Vec::new();
+    for (region, area) in regions.iter().enumerate() {
+        let outside = islands_outside(area, budget)?.into_iter();
+        doubts.extend(outside.map(|index| Doubt::IslandOutside { region: Some(region), index }));
+    }
+    let cut = cut_islands(regions, budget)?.into_iter();
+    let doubt = |CutIsland { region, island, by }| Doubt::IslandCut { region, index: island, by };
+    doubts.extend(cut.map(doubt));
     Ok(doubts)
 }
 

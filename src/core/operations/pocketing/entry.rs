@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::chain::first_part;
 use super::conditions::Conditions;
 use crate::geometry::region::{Containment, Region};
 use crate::geometry::segment::Segment;
@@ -98,21 +99,6 @@ pub fn spiral(place: Point2<f64>, radius_mm: f64, stepover_mm: f64) -> Vec<Segme
         Segment::about(center, (end - center).norm(), [start, end], std::f64::consts::PI)
     };
     (0..count).map(half).collect()
-}
-
-/// The elements up to this length.
-fn first_part(elements: &[Segment], length_mm: f64) -> Vec<Segment> {
-    let mut left = length_mm;
-    let mut part = Vec::new();
-    for element in elements {
-        let length = element.length();
-        if left <= 0.0 || length == 0.0 {
-            break;
-        }
-        part.push(if length <= left { *element } else { element.part(0.0, left / length) });
-        left -= length;
-    }
-    part
 }
 
 impl Entry {

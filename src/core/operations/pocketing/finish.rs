@@ -17,13 +17,16 @@ use super::job::{FinishWalls, Job};
 use super::level::{Heights, Level, Shape, Stage};
 use super::rings;
 use super::router::{Router, Run};
-use super::walls;
+use super::walls::{self, Followed};
 use crate::budget::Budget;
 use crate::geometry::spacing::spaces;
 use crate::toolpath::cutting::Cutting;
 
 /// The distance of paths that stand for what roughing has cleared, in radii of the cutter.
 const APART: f64 = 1.0;
+
+/// How far beside the material passes along walls begin and end where the wall is open, mm.
+const BESIDE_MM: f64 = 0.2;
 
 /// Passes along walls of one depth.
 pub struct Finished {
@@ -127,6 +130,13 @@ const LEAST_MM: f64 = 1e-3;
 
 fn pass(shape: &Shape, conditions: &Conditions, budget: &Budget) -> Result<Vec<Run>, PocketError> {
     let mut router = Router::new(conditions, &shape.room.safe, &shape.emptied, budget);
-    walls::cut(&mut router, &shape.room, true)?;
+    if let Some(opened) = &shape.opened {
+        // The edges of zones are no walls.
+        let near_mm = conditions.radius_mm + shape.deviation_mm + shape.allowance_mm + BESIDE_MM;
+        let near = opened.material.offset_outward(near_mm, budget)?;
+        walls::cut(&mut router, &shape.room, Followed::Over(&near))?;
+    } else {
+        walls::cut(&mut router, &shape.room, Followed::Whole)?;
+    }
     Ok(router.finish())
 }

@@ -188,6 +188,40 @@ pub struct Outlines {
     pub islands: Vec<Vec<Segment>>,
 }
 
+/// The order in which the levels of several regions are cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = PocketOrder))]
+pub enum LevelOrder {
+    /// All levels of a region and its finishing passes come before the next region.
+    #[default]
+    DepthFirst,
+    /// Each level of all regions comes before the next level; the finishing passes of all regions come last.
+    LevelFirst,
+}
+
+/// The sequence of several regions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "wire", schema(as = PocketSequence))]
+pub enum Sequence {
+    /// The sequence with short rapids from region to region, which is never longer than the order of the
+    /// list.
+    #[default]
+    LeastTravel,
+    /// The order of the list.
+    AsGiven,
+}
+
+/// Several regions that are cleared down to the same floor. Regions that overlap, or touch along a stretch,
+/// are cut as one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Regions {
+    pub all: Vec<Outlines>,
+    pub order: LevelOrder,
+    pub sequence: Sequence,
+}
+
 /// The heights of a part that has more than a flat floor and upright walls.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Relief {
@@ -217,8 +251,15 @@ pub enum Emptied {
 
 #[derive(Debug, Clone)]
 pub struct Job {
-    /// The wall and the islands of the pocket. None, with a relief only, stands for the edge of the relief.
+    /// The wall and the islands of the pocket. None, with a relief only, stands for the edge of the relief;
+    /// with several regions it is none.
     pub area: Option<Outlines>,
+    /// The elements of the wall that are open: there the cutter may go beyond the wall, into the air.
+    pub open: Vec<Segment>,
+    /// Where material stands in plan, with holes as islands. None: all over the pocket.
+    pub stock: Option<Outlines>,
+    /// Several regions in place of one area. They have upright walls, so there is no relief.
+    pub regions: Option<Regions>,
     pub relief: Option<Relief>,
     pub islands_by: IslandsBy,
     pub cleared: Vec<Emptied>,
@@ -252,9 +293,9 @@ pub struct Job {
     pub curves: Curves,
     /// A pocket that needs more moves is refused.
     pub move_limit: usize,
-    /// The most comparisons of the cutter with earlier cuts, of one pattern. The shapes of all levels
-    /// share them evenly, and a pattern that needs more for a shape is left out. 15 to 35 million took a
-    /// second on one core.
+    /// The most comparisons of the cutter with earlier cuts, of one pattern. Several regions share them by
+    /// their sizes. The shapes of all levels share them evenly, and a pattern that needs more for a shape is
+    /// left out. 15 to 35 million took a second on one core.
     pub comparison_limit: u64,
 }
 
@@ -303,6 +344,9 @@ impl Job {
     pub fn new(area: Outlines, floor_z_mm: f64, tool: Tool, stepover_mm: f64, feed: FeedRate) -> Self {
         Self {
             area: Some(area),
+            open: Vec::new(),
+            stock: None,
+            regions: None,
             relief: None,
             islands_by: IslandsBy::default(),
             cleared: Vec::new(),

@@ -7,6 +7,7 @@ use super::cleared::{Cleared, paths_over};
 use super::depth::{largest_disc, with_room};
 use super::entry::SHORTEST_RAMP;
 use super::job::Job;
+use super::opened::Opened;
 use super::part::Part;
 use crate::budget::Budget;
 use crate::geometry::region::{Outline, Region};
@@ -54,8 +55,10 @@ pub struct Shape {
     pub deviation_mm: f64,
     /// What is left on the walls for finishing, mm.
     pub allowance_mm: f64,
-    /// Paths of the cutter over what earlier tools have emptied.
+    /// Paths of the cutter over what earlier tools have emptied, and over the air.
     pub emptied: Vec<Vec<Segment>>,
+    /// What open edges and the stock change.
+    pub opened: Option<Opened>,
 }
 
 /// Where the cutter's centre may be, and where it is while nothing but the last pass touches walls.
@@ -177,11 +180,12 @@ pub fn levels(job: &Job, budget: &Budget) -> Result<(Heights, Vec<Shape>, Vec<Le
         if labelled.is_some() || !cleared.is_empty() || !shapes.last().is_some_and(is_known) {
             let pocket = labelled.unwrap_or_else(|| walls.clone());
             let radius = job.tool.radius_mm;
-            let mut shape = Shape::new(pocket, walls, job, heights.deviation_mm, budget)?;
+            let opened = part.opened_at(&walls, budget)?;
+            let mut shape = Shape::new(pocket, walls, opened, job, heights.deviation_mm, budget)?;
             shape.check_work(job)?;
             if !cleared.is_empty() {
                 let emptied = cleared.at(z_mm, budget)?;
-                shape.emptied = paths_over(&emptied, &shape.pocket, radius, budget)?;
+                shape.emptied.extend(paths_over(&emptied, &shape.pocket, radius, budget)?);
             }
             shapes.push(shape);
         }
@@ -293,15 +297,26 @@ impl Shape {
         budget: &Budget,
     ) -> Result<Self, PocketError> {
         let (pocket, walls) = (self.pocket.clone(), self.walls.clone());
-        let mut shape = Self::new(pocket, walls, job, self.deviation_mm, budget)?;
-        shape.emptied = emptied;
+        let mut shape = Self::new(pocket, walls, self.opened.clone(), job, self.deviation_mm, budget)?;
+        shape.emptied.extend(emptied);
         Ok(shape)
+    }
+
+    /// Where material stands before the first level.
+    pub fn material(&self) -> &Region {
+        self.opened.as_ref().map_or(&self.pocket, |opened| &opened.material)
+    }
+
+    /// Whether the cutter can come in from the side over open edges.
+    pub fn is_open(&self) -> bool {
+        self.opened.as_ref().is_some_and(|opened| opened.has_zones)
     }
 
     /// The shape of a level that clears `pocket` between `walls`, which may be wrong by `deviation_mm`.
     fn new(
         pocket: Region,
         walls: Region,
+        opened: Option<Opened>,
         job: &Job,
         deviation_mm: f64,
         budget: &Budget,
@@ -313,9 +328,14 @@ impl Shape {
         let needed_mm =
             if job.entry.plunge || job.entry.is_predrilled { 0.0 } else { SHORTEST_RAMP * radius_mm };
         let centers = with_room(centers, needed_mm);
-        let reach = centers.offset_outward(radius_mm, budget)?;
+        let mut reach = centers.offset_outward(radius_mm, budget)?;
+        let mut emptied = Vec::new();
+        if let Some(opened) = &opened {
+            reach = reach.intersection(&opened.material, budget)?;
+            emptied.clone_from(&opened.air);
+        }
         let room = Room::new(centers, job, budget)?;
-        Ok(Self { pocket, walls, room, reach, deviation_mm, allowance_mm, emptied: Vec::new() })
+        Ok(Self { pocket, walls, room, reach, deviation_mm, allowance_mm, emptied, opened })
     }
 
     /// About the length of a path that clears the shape, mm.
@@ -337,14 +357,14 @@ impl Shape {
     pub fn not_reached(&self, budget: &Budget) -> Result<Region, PocketError> {
         let kept_mm = self.deviation_mm + self.allowance_mm;
         if kept_mm == 0.0 {
-            return Ok(self.pocket.difference(&self.reach, budget)?);
+            return Ok(self.material().difference(&self.reach, budget)?);
         }
         let reach = self.reach.offset_outward(kept_mm, budget)?;
-        Ok(self.pocket.difference(&reach, budget)?)
+        Ok(self.material().difference(&reach, budget)?)
     }
 
     pub fn islands(&self) -> Vec<Island> {
-        let faces = self.pocket.faces();
+        let faces = self.material().faces();
         let islands: Vec<(&Outline, &Outline)> = faces
             .iter()
             .flat_map(|face| face.islands.iter().map(move |island| (island, &face.outer)))

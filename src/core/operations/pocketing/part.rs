@@ -13,32 +13,26 @@
 //! The paper makes the depth smaller in steps until the largest difference is allowed, and does not say how
 //! the difference is measured. Here the largest depth is found at once.
 
-use nalgebra::Point2;
-
 use super::PocketError;
-use super::job::{IslandsBy, Job, Outlines, Relief};
+use super::job::{IslandsBy, Job, Relief};
 use super::labelling;
+use super::opened::Opened;
+use super::outlines::{FITTED_MM, Walls, is_fitted};
 use crate::budget::Budget;
 use crate::geometry::height_field::{Facet, HeightField, HeightFieldError, HeightGrid, SAME_HEIGHT_MM};
-use crate::geometry::polyline;
-use crate::geometry::region::{Containment, Outline, OutlineError, Region};
-use crate::geometry::segment::Segment;
+use crate::geometry::region::{Containment, Region};
 
 /// The largest distance between a surface and the triangles that stand for it, mm.
 const DEVIATION_MM: f64 = 0.001;
-
-/// Outlines with more elements get arcs in place of lines. The arcs stay within `FITTED_MM` of the lines, mm.
-const MOST_EXACT: usize = 2_000;
-const FITTED_MM: f64 = 5e-4;
-
-/// The most elements of a region.
-const MOST_ELEMENTS: usize = 20_000;
 
 /// The part of the allowance that is kept for rounding.
 const ROUNDING: f64 = 1e-9;
 
 pub struct Part {
+    /// The pocket, with the zones in front of its open edges.
     walls: Option<Region>,
+    /// What open edges and the stock change.
+    opened: Option<Opened>,
     /// Whether arcs replace the lines of the walls.
     is_fitted: bool,
     field: Option<HeightField>,
@@ -50,7 +44,12 @@ pub struct Part {
 
 impl Part {
     pub fn new(job: &Job, budget: &Budget) -> Result<Self, PocketError> {
-        let walls = job.area.as_ref().map(|area| region(area, budget)).transpose()?;
+        let walls = job.area.as_ref().map(|area| Walls::new(area, &job.open, budget)).transpose()?;
+        let opened = match &walls {
+            Some(walls) => Opened::new(job, walls, budget)?,
+            None => None,
+        };
+        let walls = walls.map(|walls| opened.as_ref().map_or(walls.region, |opened| opened.pocket.clone()));
         let field = job.relief.as_ref().map(|relief| field(relief, budget)).transpose()?;
         let cells = match (&field, &job.relief, job.islands_by) {
             (_, Some(Relief::Grid(grid)), IslandsBy::Labelling { .. }) => Some(grid.clone()),
@@ -75,7 +74,16 @@ impl Part {
             })?;
         }
         let is_fitted = job.area.as_ref().is_some_and(is_fitted);
-        Ok(Self { walls, is_fitted, field, cells, facets })
+        Ok(Self { walls, opened, is_fitted, field, cells, facets })
+    }
+
+    /// What open edges and the stock change on a level with these walls.
+    pub fn opened_at(&self, walls: &Region, budget: &Budget) -> Result<Option<Opened>, PocketError> {
+        let mut opened = self.opened.clone();
+        if let Some(opened) = opened.as_mut().filter(|_| self.field.is_some()) {
+            opened.material = opened.material.intersection(walls, budget)?;
+        }
+        Ok(opened)
     }
 
     /// The height of the highest point of the relief, mm.
@@ -144,57 +152,6 @@ impl Part {
         };
         self.facets.iter().map(left).fold(0.0, f64::max)
     }
-}
-
-/// The region inside the wall and outside all islands.
-pub fn region(area: &Outlines, budget: &Budget) -> Result<Region, PocketError> {
-    let is_fitted = is_fitted(area);
-    let outline = |elements: &[Segment], island: Option<usize>| {
-        let outline = if is_fitted {
-            // Arcs may cross each other where the lines only come near.
-            match Outline::new(&with_arcs(elements, budget)?, budget) {
-                Err(OutlineError::Crosses { .. }) => Outline::new(elements, budget),
-                outline => outline,
-            }
-        } else {
-            Outline::new(elements, budget)
-        };
-        outline.map_err(|error| match error {
-            OutlineError::Stopped(stopped) => PocketError::Stopped(stopped),
-            error => PocketError::Outline { island, error },
-        })
-    };
-    let boundary = outline(&area.boundary, None)?;
-    let islands = area.islands.iter().enumerate().map(|(k, island)| outline(island, Some(k)));
-    let region = Region::new(&[boundary], &islands.collect::<Result<Vec<_>, _>>()?, budget)?;
-    if region.outlines().map(|outline| outline.elements().len()).sum::<usize>() > MOST_ELEMENTS {
-        return Err(PocketError::OutlinesTooFine { limit: MOST_ELEMENTS, within_mm: FITTED_MM });
-    }
-    if region.is_empty() { Err(PocketError::NothingToCut) } else { Ok(region) }
-}
-
-/// Whether arcs replace the lines of outlines: of those with very many.
-fn is_fitted(area: &Outlines) -> bool {
-    area.boundary.len() + area.islands.iter().map(Vec::len).sum::<usize>() > MOST_EXACT
-}
-
-/// The elements of an outline with arcs in place of runs of lines.
-fn with_arcs(elements: &[Segment], budget: &Budget) -> Result<Vec<Segment>, PocketError> {
-    let mut fitted = Vec::new();
-    let mut run: Vec<Point2<f64>> = Vec::new();
-    for element in elements {
-        if let Segment::Line { start, end } = element {
-            if run.is_empty() {
-                run.push(*start);
-            }
-            run.push(*end);
-        } else {
-            fitted.extend(polyline::as_arcs(&std::mem::take(&mut run), FITTED_MM, budget)?);
-            fitted.push(*element);
-        }
-    }
-    fitted.extend(polyline::as_arcs(&run, FITTED_MM, budget)?);
-    Ok(fitted)
 }
 
 fn field(relief: &Relief, budget: &Budget) -> Result<HeightField, PocketError> {

@@ -1,5 +1,6 @@
 //! The pieces of a stroke that meet material.
 
+use super::chain::first_part;
 use crate::budget::Stopped;
 use crate::geometry::segment::Segment;
 use crate::machining::engagement::{Stretch, straight_angle};
@@ -28,13 +29,14 @@ pub enum Pieces {
     Some(Vec<Vec<Segment>>),
 }
 
-/// The pieces of a stroke along which there is material. Each piece begins `lead` radii before its material,
-/// or later if the stroke has less way without material there. `survey` finds the angles along an element,
+/// The pieces of a stroke along which there is material. Each piece begins `ahead` radii before its material
+/// and goes on `beyond` radii behind it, or less if the stroke has less way without material there. `survey`
+/// finds the angles along an element,
 /// and need not be exact below the angle that it is given.
 pub fn pieces(
     stroke: &[Segment],
     radius_mm: f64,
-    lead: f64,
+    [ahead, beyond]: [f64; 2],
     mut survey: impl FnMut(&Segment, f64) -> Result<Vec<Stretch>, Stopped>,
 ) -> Result<Pieces, Stopped> {
     let sliver = straight_angle(radius_mm, thinnest_mm(radius_mm));
@@ -56,10 +58,10 @@ pub fn pieces(
         let after = parts[k..].iter().position(|(_, meets)| *meets).map_or(k, |n| k + n);
         parts.rotate_left(after.saturating_sub(1).max(k));
     }
-    Ok(Pieces::Some(joined(&parts, JOINED * radius_mm, lead * radius_mm)))
+    Ok(Pieces::Some(joined(&parts, JOINED * radius_mm, [ahead, beyond].map(|part| part * radius_mm))))
 }
 
-fn joined(parts: &[(Segment, bool)], gap_mm: f64, lead_mm: f64) -> Vec<Vec<Segment>> {
+fn joined(parts: &[(Segment, bool)], gap_mm: f64, [ahead_mm, beyond_mm]: [f64; 2]) -> Vec<Vec<Segment>> {
     let mut pieces: Vec<Vec<Segment>> = Vec::new();
     let mut clear: Vec<Segment> = Vec::new();
     for (part, meets) in parts {
@@ -69,12 +71,20 @@ fn joined(parts: &[(Segment, bool)], gap_mm: f64, lead_mm: f64) -> Vec<Vec<Segme
         }
         match pieces.last_mut() {
             Some(piece) if length(&clear) < gap_mm => piece.append(&mut clear),
-            _ => pieces.push(tail(&clear, lead_mm)),
+            last => {
+                if let Some(piece) = last {
+                    piece.extend(first_part(&clear, beyond_mm));
+                }
+                pieces.push(tail(&clear, ahead_mm));
+            }
         }
         clear.clear();
         if let Some(piece) = pieces.last_mut() {
             piece.push(*part);
         }
+    }
+    if let Some(piece) = pieces.last_mut() {
+        piece.extend(first_part(&clear, beyond_mm));
     }
     pieces
 }

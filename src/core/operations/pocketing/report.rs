@@ -73,6 +73,10 @@ pub struct Candidate {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketLevel))]
 pub struct LevelReport {
+    /// The numbers of the `regions` that the level clears, counted from 0: several, where they are cut as
+    /// one. Absent for a pocket of one `region`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub regions: Option<Vec<usize>>,
     /// Height of the level's floor, in mm.
     pub z_mm: f64,
     /// Thickest material that the level leaves on slopes of the part, in mm, at a right angle to the slope.
@@ -98,9 +102,13 @@ pub struct LevelReport {
 const ROUNDING_MM: f64 = 1e-4;
 
 /// The passes along walls and islands over one depth, after all levels are cleared.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketFinish))]
 pub struct FinishReport {
+    /// The numbers of the `regions` whose walls are finished, counted from 0. Absent for a pocket of one
+    /// `region`.
+    #[cfg_attr(feature = "wire", serde(skip_serializing_if = "Option::is_none"))]
+    pub regions: Option<Vec<usize>>,
     /// Height of the material's top, in mm.
     pub top_z_mm: f64,
     /// Height to which the passes go, in mm.
@@ -141,9 +149,10 @@ pub struct LevelOutlines {
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "wire", derive(serde::Serialize, utoipa::ToSchema), schema(as = PocketReport))]
 pub struct Report {
-    /// The levels, from the top down.
+    /// The levels, from the top down; with several `regions`, in the order in which they are cut.
     pub levels: Vec<LevelReport>,
-    /// The passes that finish walls and islands, from the top down.
+    /// The passes that finish walls and islands, from the top down; with several `regions`, in the order in
+    /// which they are cut.
     pub finish: Vec<FinishReport>,
     /// What stands after the program.
     pub left: Left,
@@ -249,9 +258,10 @@ impl LevelReport {
         let mut uncut: Vec<Vec<Segment>> = elements(&not_reached);
         uncut.extend(chosen.iter().flat_map(|(_, route)| &route.check.uncut).map(|element| vec![*element]));
         let &Level { top_z_mm, z_mm, .. } = level;
-        let outlines = LevelOutlines { top_z_mm, z_mm, pocket: elements(&shape.pocket), uncut };
+        let outlines = LevelOutlines { top_z_mm, z_mm, pocket: elements(shape.material()), uncut };
         let islands = shape.islands();
         let report = Self {
+            regions: None,
             z_mm,
             leftover_max_mm: level.leftover_mm,
             n_islands: islands.len(),
@@ -276,8 +286,10 @@ impl LevelReport {
 }
 
 impl FinishReport {
-    fn new(finished: &Finished) -> Self {
+    /// The figures of passes in the area that stands for `regions`, if there are several.
+    pub fn new(finished: &Finished, regions: Option<Vec<usize>>) -> Self {
         Self {
+            regions,
             top_z_mm: finished.top_z_mm,
             z_mm: finished.z_mm,
             n_passes: finished.passes.len(),
@@ -289,8 +301,8 @@ impl FinishReport {
 
 impl Report {
     /// Fills in what is left by the passes that finish walls, and the least distance from walls.
-    pub fn finish_with(&mut self, finished: &[Finished], job: &Job) {
-        self.finish = finished.iter().map(FinishReport::new).collect();
+    pub fn finish_with(&mut self, finish: Vec<FinishReport>, job: &Job) {
+        self.finish = finish;
         let chosen = self.levels.iter().filter_map(LevelReport::chosen).map(|level| level.clearance_side_mm);
         let sides = chosen.chain(self.finish.iter().map(|finish| finish.clearance_side_mm));
         self.clearance_side_mm = sides.min_by(f64::total_cmp);
@@ -299,12 +311,12 @@ impl Report {
         self.left = Left { walls_min_mm: on_walls, walls_max_mm: on_walls, floor_mm: on_floor };
     }
 
-    /// Fills in the figures of the whole toolpath.
+    /// Fills in the figures of the whole toolpath. `shapes` are those of the report's levels; each pass is
+    /// compared with the walls of its own level.
     pub fn finish(
         &mut self,
         toolpath: &Toolpath,
-        shapes: &[Shape],
-        levels: &[Level],
+        shapes: &[&Shape],
         heights: &Heights,
         job: &Job,
         cutting: &Cutting,
@@ -315,10 +327,10 @@ impl Report {
         self.gouge_max_mm = heights.overlap_mm;
         let (mut nearest_mm, mut displacement_mm) = (self.left.walls_min_mm, 0.0_f64);
         for pass in toolpath.passes() {
-            let Some(level) = pass.level().and_then(|k| levels.get(k as usize)) else { continue };
+            let Some(shape) = pass.level().and_then(|k| shapes.get(k as usize)) else { continue };
             for step in pass.moves() {
                 if let Move::Feed { along, .. } = step {
-                    let near = beside(along, &shapes[level.shape].walls, heights.deviation_mm, job)?;
+                    let near = beside(along, &shape.walls, shape.deviation_mm, job)?;
                     self.gouge_max_mm = self.gouge_max_mm.max(-near.distance_mm);
                     nearest_mm = nearest_mm.min(near.distance_mm);
                     displacement_mm = displacement_mm.max(near.displacement_mm);
@@ -326,13 +338,14 @@ impl Report {
             }
         }
         // A path that was found to keep away from walls comes nearer by rounding alone.
-        let by_rounding_mm = heights.overlap_mm + 2.0 * heights.deviation_mm + displacement_mm + ROUNDING_MM;
+        let deviation_mm = shapes.iter().map(|shape| shape.deviation_mm).fold(0.0, f64::max);
+        let by_rounding_mm = heights.overlap_mm + 2.0 * deviation_mm + displacement_mm + ROUNDING_MM;
         if self.gouge_max_mm > by_rounding_mm && job.islands_by == IslandsBy::Slicing {
             let because = format!("as it is written it cuts {:.4} mm into a wall", self.gouge_max_mm);
             return Err(PocketError::NoneValid { because });
         }
         self.left.walls_min_mm = nearest_mm.max(0.0);
-        self.left.walls_max_mm += 2.0 * heights.deviation_mm + displacement_mm;
+        self.left.walls_max_mm += 2.0 * deviation_mm + displacement_mm;
         Ok(())
     }
 }

@@ -89,8 +89,10 @@ pub struct Router<'a> {
     centers: &'a Region,
     swept: Swept,
     links: Links<'a>,
-    /// Whether earlier tools have emptied some of the pocket: then only the rest is cut.
-    is_rest: bool,
+    /// Paths over what is empty before the first cut: then only the rest is cut.
+    emptied: &'a [Vec<Segment>],
+    /// Whether some of that is in front of open edges, so that the cutter can come in from there.
+    is_open: bool,
     runs: Vec<Run>,
     /// The centre of the circle on which the cutter may leave the last cut.
     leaving: Option<Point2<f64>>,
@@ -100,11 +102,11 @@ pub struct Router<'a> {
 }
 
 impl<'a> Router<'a> {
-    /// `emptied` are paths over what earlier tools have emptied.
+    /// `emptied` are paths over what is empty: what earlier tools have cut, and the air.
     pub fn new(
         conditions: &'a Conditions,
         centers: &'a Region,
-        emptied: &[Vec<Segment>],
+        emptied: &'a [Vec<Segment>],
         budget: &'a Budget,
     ) -> Self {
         let mut swept = Swept::new(conditions.radius_mm);
@@ -118,12 +120,19 @@ impl<'a> Router<'a> {
             centers,
             swept,
             links,
-            is_rest: !emptied.is_empty(),
+            emptied,
+            is_open: false,
             runs: Vec::new(),
             leaving: None,
             parts: None,
             budget,
         }
+    }
+
+    /// Says whether the cutter comes in over open edges wherever it can.
+    #[must_use]
+    pub fn with_open_edges(self, is_open: bool) -> Self {
+        Self { is_open, ..self }
     }
 
     pub fn finish(self) -> Vec<Run> {
@@ -155,12 +164,12 @@ impl<'a> Router<'a> {
     }
 
     pub fn is_rest(&self) -> bool {
-        self.is_rest
+        !self.emptied.is_empty()
     }
 
     /// Cuts along a loop, from the place on it that is best to get to.
     pub fn cut_loop(&mut self, elements: &[Segment]) -> Result<(), PocketError> {
-        if self.is_rest
+        if self.is_rest()
             && let Pieces::Some(pieces) = self.pieces(elements, LEAD)?
         {
             return self.cut_all(&pieces);
@@ -174,6 +183,10 @@ impl<'a> Router<'a> {
         }
         if self.is_left_out(elements[0].start())? {
             return Ok(());
+        }
+        if let Some((k, t)) = self.nearest_to_air(elements) {
+            let begun = begun_at(elements, k, t);
+            return if self.enter(&begun)? { self.follow(&begun, Purpose::Cut) } else { Ok(()) };
         }
         // A new entry: where the largest helix fits.
         let mut best: Option<(f64, Vec<Segment>)> = None;
@@ -197,7 +210,7 @@ impl<'a> Router<'a> {
         if elements.is_empty() {
             return Ok(());
         }
-        if self.is_rest
+        if self.is_rest()
             && let Pieces::Some(pieces) = self.pieces(elements, LEAD)?
         {
             return self.cut_all(&pieces);
@@ -206,12 +219,14 @@ impl<'a> Router<'a> {
     }
 
     /// The pieces of a stroke along which there is material. Each begins `lead` radii of the cutter before
-    /// its material.
+    /// its material. Over open edges it goes on as far behind the material, so that no burr stays at the
+    /// edge.
     pub fn pieces(&mut self, stroke: &[Segment], lead: f64) -> Result<Pieces, PocketError> {
         self.check_work()?;
         let (swept, budget) = (&mut self.swept, self.budget);
         let survey = |element: &Segment, enough| swept.survey(element, Enough::Angle(enough), budget);
-        Ok(pieces(stroke, self.conditions.radius_mm, lead, survey)?)
+        let beyond = if self.is_open { lead } else { 0.0 };
+        Ok(pieces(stroke, self.conditions.radius_mm, [lead, beyond], survey)?)
     }
 
     fn cut_all(&mut self, chains: &[Vec<Segment>]) -> Result<(), PocketError> {
@@ -244,6 +259,9 @@ impl<'a> Router<'a> {
     pub fn cut_nearest_end(&mut self, mut chains: Vec<Vec<Segment>>) -> Result<(), PocketError> {
         while !chains.is_empty() {
             let mut best = (f64::INFINITY, 0, false);
+            if self.at().is_none() {
+                best = self.end_in_air(&chains).map_or(best, |(k, is_reversed)| (0.0, k, is_reversed));
+            }
             if let Some(at) = self.at() {
                 for (k, chain) in chains.iter().enumerate() {
                     let ends = [chain[0].start(), chain[chain.len() - 1].end()];

@@ -13,11 +13,12 @@
 use nalgebra::{Point2, Vector2};
 
 use super::PocketError;
-use super::chain::{begun_at, nearest};
+use super::chain::{begun_at, first_part, nearest};
 use super::conditions::Conditions;
 use super::job::{LeadKind, Milling};
 use super::level::Room;
 use super::pieces::Pieces;
+use super::rings;
 use super::router::{Purpose, Router};
 use crate::geometry::region::{Containment, Outline, Region};
 use crate::geometry::segment::{Segment, left};
@@ -55,9 +56,18 @@ struct Start {
     distance_mm: f64,
 }
 
-/// The pass along all walls and islands, the nearest first. `is_everywhere` if they are followed where they
-/// meet no material too.
-pub fn cut<'a>(router: &mut Router<'a>, room: &'a Room, is_everywhere: bool) -> Result<(), PocketError> {
+/// Where the edge of the region of centres is followed.
+#[derive(Debug, Clone, Copy)]
+pub enum Followed<'a> {
+    /// All along, unless earlier tools have emptied some of the pocket: then only beside material.
+    WhereMaterialIs,
+    Whole,
+    /// As far as the centre is in this region.
+    Over(&'a Region),
+}
+
+/// The pass along all walls and islands, the nearest first.
+pub fn cut<'a>(router: &mut Router<'a>, room: &'a Room, followed: Followed) -> Result<(), PocketError> {
     let mut parts = room.centers.parts();
     while !parts.is_empty() {
         let k = router.at().map_or(0, |at| {
@@ -79,9 +89,9 @@ pub fn cut<'a>(router: &mut Router<'a>, room: &'a Room, is_everywhere: bool) -> 
             let outline = left.swap_remove(k);
             // Outlines have the region on their left.
             if router.conditions.milling == Milling::Conventional {
-                cut_wall(router, room, outline.reversed().elements(), is_everywhere)?;
+                cut_wall(router, room, outline.reversed().elements(), followed)?;
             } else {
-                cut_wall(router, room, outline.elements(), is_everywhere)?;
+                cut_wall(router, room, outline.elements(), followed)?;
             }
         }
     }
@@ -92,17 +102,24 @@ fn cut_wall<'a>(
     router: &mut Router<'a>,
     room: &'a Room,
     wall: &[Segment],
-    is_everywhere: bool,
+    followed: Followed,
 ) -> Result<(), PocketError> {
-    let pieces = match is_everywhere {
-        true => Pieces::Whole,
-        false if router.is_rest() => router.pieces(wall, RADIUS)?,
-        false => Pieces::Whole,
+    let pieces = match followed {
+        Followed::WhereMaterialIs if router.is_rest() => router.pieces(wall, RADIUS)?,
+        Followed::WhereMaterialIs | Followed::Whole => Pieces::Whole,
+        Followed::Over(region) => over(wall, region),
     };
     match pieces {
         Pieces::Whole => cut_loop(router, room, wall),
         Pieces::Some(pieces) => pieces.iter().try_for_each(|piece| cut_piece(router, room, piece)),
     }
+}
+
+/// The pieces of a closed wall in a region.
+fn over(wall: &[Segment], region: &Region) -> Pieces {
+    let pieces = rings::clipped(wall, region);
+    let is_closed = |piece: &Vec<Segment>| piece[0].start() == piece[piece.len() - 1].end();
+    if pieces.len() == 1 && is_closed(&pieces[0]) { Pieces::Whole } else { Pieces::Some(pieces) }
 }
 
 /// Follows a closed wall from the best place on it.
@@ -112,7 +129,7 @@ fn cut_loop<'a>(router: &mut Router<'a>, room: &'a Room, wall: &[Segment]) -> Re
     let length: f64 = pass.iter().map(Segment::length).sum();
     let conditions = router.conditions;
     let overlap = conditions.lead.overlap_mm.unwrap_or(OVERLAP * conditions.radius_mm).min(length);
-    pass.extend(first(&pass, overlap));
+    pass.extend(first_part(&pass, overlap));
     cut_piece(router, room, &pass)
 }
 
@@ -128,7 +145,11 @@ fn cut_piece<'a>(router: &mut Router<'a>, room: &'a Room, pass: &[Segment]) -> R
     let is_safe = room.safe.place(chain[0].start(), BESIDE_MM) != Containment::Outside;
     router.move_within(if is_safe { &room.safe } else { &room.centers });
     if !router.come_to(&chain)? {
-        return Ok(());
+        // A part that has no room for an entry away from its walls may have room for a ramp along them.
+        router.move_within(&room.centers);
+        if !is_safe || !router.come_to(&chain)? {
+            return Ok(());
+        }
     }
     router.follow(&lead_in.into_iter().collect::<Vec<_>>(), Purpose::LeadIn)?;
     router.follow(pass, Purpose::Cut)?;
@@ -228,19 +249,4 @@ fn side(along: Vector2<f64>, conditions: &Conditions) -> (Vector2<f64>, f64) {
         Milling::Climb => (left(along), quarter),
         Milling::Conventional => (-left(along), -quarter),
     }
-}
-
-/// The first `length_mm` of a chain.
-fn first(chain: &[Segment], length_mm: f64) -> Vec<Segment> {
-    let mut rest = length_mm;
-    let mut part = Vec::new();
-    for element in chain {
-        let own = element.length();
-        if rest <= 0.0 || own == 0.0 {
-            break;
-        }
-        part.push(if own <= rest { *element } else { element.part(0.0, rest / own) });
-        rest -= own;
-    }
-    part
 }

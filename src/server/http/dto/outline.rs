@@ -1,7 +1,7 @@
 //! Outlines in requests: closed chains of lines and arcs, as vertices or as a section curve.
 
+mod open;
 mod vertex;
-
 mod weld;
 
 use std::fmt;
@@ -20,11 +20,13 @@ use crate::config::Limits;
 use crate::http::error::FieldCode;
 use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
+pub use open::OpenEdges;
 use toolpathd_core::geometry::profile::Shape;
 use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::language::section_curve::TEXT_LIMIT;
 use toolpathd_core::operations::pocketing as core;
 pub use vertex::Vertex;
+use weld::Corner;
 
 /// The most islands of a pocket.
 const MAX_ISLANDS: usize = 10_000;
@@ -47,18 +49,42 @@ pub struct Region {
     /// Outlines of what stays, in mm. Islands may overlap each other and the wall. Default: none.
     #[schema(value_type = Option<Islands>)]
     islands: Option<Vec<Outline>>,
+    /// The edges of `boundary` beyond which there is neither part nor material, by the numbers of their
+    /// vertices: the cutter comes in over them from outside, and goes out by its radius and more. For pockets
+    /// only. Default: none.
+    open: Option<OpenEdges>,
 }
 
 schema_of!(Islands of Outline, "Closed outlines.", { array_of(reference::<Outline>(), 0, MAX_ISLANDS) });
 
 impl Region {
     pub fn new(boundary: Outline, islands: Option<Vec<Outline>>) -> Self {
-        Self { boundary, islands }
+        Self { boundary, islands, open: None }
     }
 
-    /// The outlines in the core's terms. Adds violations to `violations`.
+    /// The number of all vertices, or of pieces of texts.
+    pub fn n_vertices(&self) -> usize {
+        self.boundary.len() + self.islands.iter().flatten().map(Outline::len).sum::<usize>()
+    }
+
+    /// The outlines in the core's terms, of a region whose edges are all closed. Adds violations to
+    /// `violations`.
     pub fn convert(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> core::Outlines {
-        let Self { boundary, islands } = self;
+        if self.open.is_some() {
+            let detail = "only a pocket that is planned has open edges: leave `open` out, and send a `boundary` with room in front of them";
+            violations.add(&at.field("open"), FieldCode::Unsupported, detail);
+        }
+        self.convert_with_open(at, limits, violations).0
+    }
+
+    /// The outlines in the core's terms, and the open edges. Adds violations to `violations`.
+    pub fn convert_with_open(
+        self,
+        at: &Pointer,
+        limits: &Limits,
+        violations: &mut Violations,
+    ) -> (core::Outlines, Vec<Segment>) {
+        let Self { boundary, islands, open } = self;
         let islands = islands.unwrap_or_default();
         let total = boundary.len() + islands.iter().map(Outline::len).sum::<usize>();
         if islands.len() > MAX_ISLANDS {
@@ -69,10 +95,12 @@ impl Region {
                 island.check(&at.field("islands").index(k), limits, violations);
             }
         }
-        core::Outlines {
+        let open = open.map(|open| open.of(&boundary.edges(), &at.field("open"), violations));
+        let outlines = core::Outlines {
             boundary: boundary.elements(),
             islands: islands.iter().map(Outline::elements).collect(),
-        }
+        };
+        (outlines, open.unwrap_or_default())
     }
 
     /// The warning of bulges of more than a half circle. `at` is the place of the region.
@@ -130,9 +158,22 @@ impl Outline {
             Self::Vertices(vertices) => vertices,
             Self::Text(text) => return elements_of(text),
         };
-        let next = vertices.iter().cycle().skip(1);
-        weld::elements(&vertices.iter().zip(next).map(|(from, to)| to.corner_after(from)).collect::<Vec<_>>())
+        weld::elements(&corners(vertices))
     }
+
+    /// The lines and arcs between the vertices as they were sent: each after the vertex with its own index.
+    fn edges(&self) -> Vec<Segment> {
+        match self {
+            Self::Vertices(vertices) => weld::edges(&corners(vertices)),
+            Self::Text(text) => elements_of(text),
+        }
+    }
+}
+
+/// The vertices, each with the element to the next.
+fn corners(vertices: &[Vertex]) -> Vec<Corner> {
+    let next = vertices.iter().cycle().skip(1);
+    vertices.iter().zip(next).map(|(from, to)| to.corner_after(from)).collect()
 }
 
 fn check_text(text: &SectionText, at: &Pointer, limits: &Limits, violations: &mut Violations) {

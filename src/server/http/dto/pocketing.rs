@@ -2,6 +2,7 @@
 
 mod cleared;
 mod finish;
+mod regions;
 mod relief;
 
 use serde::Deserialize;
@@ -17,6 +18,7 @@ use super::schema::{array_of, reference, schema_of};
 use super::setup::{self, JobWithSetup, SentSetup};
 use super::surface::Surface;
 use super::tool::Tool;
+use super::verification::Solid;
 use crate::config::Limits;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
@@ -24,17 +26,32 @@ use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 pub use cleared::Cleared;
 use finish::{PocketFinishing, PocketLead, SentFinish};
+use regions::{RegionList, SentRegions};
 use relief::{Heights, IslandsBy, SentRelief};
-use toolpathd_core::operations::pocketing::{self as core, ChooseBy, Milling, Only, Pattern};
+use toolpathd_core::operations::pocketing::{
+    self as core, ChooseBy, LevelOrder, Milling, Only, Pattern, Sequence,
+};
 
 /// A pocket to be cleared.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PocketRequest {
-    /// The wall of the pocket and its islands. Required without `heights` and `surface`. With one of them,
-    /// everything outside the region stays. Default: the rectangle of `heights`, or the outline of `surface`.
+    /// The wall of the pocket and its islands. Required without `regions`, `heights` and `surface`. With one
+    /// of the last two, everything outside the region stays. Default: the rectangle of `heights`, or the
+    /// outline of `surface`.
     #[serde(default, deserialize_with = "object::optional")]
     region: Option<Region>,
+    /// Several pockets of the same floor, in place of `region`, `heights` and `surface`. Regions that
+    /// overlap, or touch along a stretch, are cut as one pocket; those that only meet in a point stay apart.
+    /// An island stays in its own region: another region that reaches across the island's edge cuts it, and
+    /// the answer warns.
+    #[serde(default, deserialize_with = "object::optional_list")]
+    #[schema(value_type = Option<RegionList>)]
+    regions: Option<Vec<Region>>,
+    /// In which order the levels of `regions` are cut. Default: `depth_first`.
+    order: Option<LevelOrder>,
+    /// In which sequence `regions` are cut. Default: `least_travel`.
+    sequence: Option<Sequence>,
     /// Measured heights of the part. On each level, places that are higher than the level's floor stay.
     #[serde(default, deserialize_with = "object::optional")]
     heights: Option<Heights>,
@@ -49,6 +66,10 @@ pub struct PocketRequest {
     /// cutter's diameter.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     cell_mm: Option<f64>,
+    /// Where material stands: a solid, whose top is the default of `top_z_mm`. What of the pocket is outside
+    /// the stock is air. An edge that is open counts as closed where stock stands in front of it. Default:
+    /// all of the pocket is material, and nothing stands in front of open edges.
+    stock: Option<Solid>,
     /// What earlier tools have emptied. Only the material that is left is cut.
     #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(value_type = Option<ClearedList>)]
@@ -196,10 +217,14 @@ impl IntoJob for PocketRequest {
     fn into_job(self, limits: &Limits) -> Result<Self::Job, ApiError> {
         let Self {
             region,
+            regions,
+            order,
+            sequence,
             heights,
             surface,
             islands_by,
             cell_mm,
+            stock,
             cleared,
             top_z_mm,
             floor_z_mm,
@@ -225,21 +250,38 @@ impl IntoJob for PocketRequest {
         let root = Pointer::root();
         let finish = SentFinish { allowance_mm, floor_allowance_mm, finish, only, lead, clearance_side_mm };
         let mut violations = Violations::default();
+        let regions = SentRegions { regions, order, sequence };
+        let others = [region.is_some(), heights.is_some(), surface.is_some()];
+        regions.check(others, &mut violations);
         let sent = SentRelief {
             surface,
             heights,
             islands_by,
             cell_mm,
             roughing_allowance_mm,
-            has_region: region.is_some(),
+            has_region: region.is_some() || regions.are_sent(),
         };
         let (relief, islands_by) = sent.convert(tool.diameter_mm(), limits, &mut violations);
         let mut remarks: Vec<Warning> =
             region.iter().filter_map(|region| region.remark(&root.field("region"))).collect();
+        remarks.extend(regions.remarks());
         let at_cleared = root.field("cleared");
         let of_cleared = cleared.iter().flatten().enumerate();
         remarks.extend(of_cleared.filter_map(|(k, cleared)| cleared.remark(&at_cleared.index(k))));
-        let area = region.map(|region| region.convert(&root.field("region"), limits, &mut violations));
+        let at_region = root.field("region");
+        let area = region.map(|region| region.convert_with_open(&at_region, limits, &mut violations));
+        let (area, mut open) = area.map_or((None, Vec::new()), |(area, open)| (Some(area), open));
+        let regions = regions.convert(limits, &mut open, &mut violations);
+        if relief.is_some() && !open.is_empty() {
+            let detail =
+                "open edges go with upright walls alone: leave `open` out, or `heights` and `surface`";
+            violations.add(&at_region.field("open"), FieldCode::Conflict, detail);
+        }
+        if area.is_none() && regions.is_none() && stock.is_some() {
+            let detail = "send the `region` that is cut out of the stock";
+            violations.add(&root.field("stock"), FieldCode::Conflict, detail);
+        }
+        let (stock, top_z_mm) = stock_of(stock, top_z_mm, limits, &mut violations);
         let cleared = emptied(cleared.unwrap_or_default(), limits, &mut violations);
         let checked_tool = tool.convert(&root.field("tool"), &mut violations);
         if !tool.is_flat() {
@@ -273,6 +315,9 @@ impl IntoJob for PocketRequest {
         violations.result()?;
         let job = core::Job {
             area,
+            open,
+            stock,
+            regions,
             relief,
             islands_by,
             cleared,
@@ -300,6 +345,27 @@ impl IntoJob for PocketRequest {
         };
         Ok(JobWithSetup { job, setup, meta })
     }
+}
+
+/// The stock in plan, and the height of its top.
+fn stock_of(
+    stock: Option<Solid>,
+    top_z_mm: Option<f64>,
+    limits: &Limits,
+    violations: &mut Violations,
+) -> (Option<core::Outlines>, Option<f64>) {
+    let Some(stock) = stock else { return (None, top_z_mm) };
+    let before = violations.total();
+    let stock = stock.stock(&Pointer::root().field("stock"), limits, violations);
+    if violations.total() > before {
+        return (None, top_z_mm);
+    }
+    let (outlines, _, top_mm) = stock.outlines();
+    if let Some(sent) = top_z_mm.filter(|sent| *sent != top_mm) {
+        let detail = format!("the stock ends at {top_mm} mm, and not at {sent} mm: leave `top_z_mm` out");
+        violations.add(&Pointer::root().field("top_z_mm"), FieldCode::Conflict, detail);
+    }
+    (Some(outlines), Some(top_mm))
 }
 
 fn emptied(cleared: Vec<Cleared>, limits: &Limits, violations: &mut Violations) -> Vec<core::Emptied> {

@@ -22,10 +22,18 @@ impl Warning {
 impl From<&Doubt> for Warning {
     fn from(doubt: &Doubt) -> Self {
         let (code, at, advice) = match doubt {
-            Doubt::IslandOutside { index } => (
+            Doubt::IslandOutside { region, index } => (
                 WarningCode::IslandOutside,
-                member("/region/islands").index(*index),
+                region
+                    .map_or_else(|| member("/region"), |k| member("/regions").index(k))
+                    .field("islands")
+                    .index(*index),
                 "check its coordinates, or leave it out",
+            ),
+            Doubt::IslandCut { region, index, .. } => (
+                WarningCode::IslandCut,
+                member("/regions").index(*region).field("islands").index(*index),
+                "check the coordinates of both, or give the island to both regions",
             ),
             Doubt::RegionBeyondPart { .. } => {
                 (WarningCode::RegionBeyondPart, member("/region/boundary"), "check the coordinates of both")

@@ -44,12 +44,9 @@ impl From<PocketError> for ApiError {
             PocketError::Stopped(stopped) => stopped.into(),
             PocketError::Heights(heights) => heights.into(),
             PocketError::Quantize(quantize) => quantize.into(),
-            PocketError::Region(RegionError::TooMany { .. }) => too_large("/region", fact),
-            PocketError::Region(error) => {
-                let failed = illegal(&member("/region"), fact);
-                if let RegionError::Tangled { at } = error { failed.at(in_plane(at)) } else { failed }
-            }
+            PocketError::Region(error) => region(&member("/region"), &error, fact),
             PocketError::Outline { island, error } => outline(&member("/region"), island, error, fact),
+            PocketError::OfRegions { regions, error } => of_regions(&regions, *error, fact),
             PocketError::Cleared { index, island, error } => {
                 let island_told = island.map_or_else(String::new, |k| format!(", island {k}"));
                 let detail = format!("`cleared` {index}{island_told}: {error}");
@@ -68,10 +65,7 @@ impl From<PocketError> for ApiError {
                     too_large("/surface", format!("{fact}; send a smaller part of it"))
                 }
             },
-            PocketError::OutlinesTooFine { .. } => {
-                let advice = "send fewer vertices, or fit arcs to them with `/v1/arcs/fit`";
-                too_large("/region", format!("{fact}; {advice}"))
-            }
+            PocketError::OutlinesTooFine { .. } => too_fine("/region", &fact),
             PocketError::TooManyCells { .. } => {
                 too_large("/cell_mm", format!("{fact}; send a larger `cell_mm`"))
             }
@@ -103,6 +97,38 @@ impl From<PocketError> for ApiError {
 /// The failure of a request with an illegal value at `at`.
 fn illegal(at: &Pointer, detail: String) -> ApiError {
     ApiError::new(Code::InvalidRequest, detail).blaming(at, FieldCode::OutOfRange)
+}
+
+/// The failure of the region at `at`.
+fn region(at: &Pointer, error: &RegionError, fact: String) -> ApiError {
+    match error {
+        RegionError::TooMany { .. } => too_large(at.as_str(), fact),
+        RegionError::Tangled { at: place } => illegal(at, fact).at(in_plane(*place)),
+        _ => illegal(at, fact),
+    }
+}
+
+/// The failure of outlines with too many elements, of the region at `path`.
+fn too_fine(path: &str, fact: &str) -> ApiError {
+    let advice = "send fewer vertices, or fit arcs to them with `/v1/arcs/fit`";
+    too_large(path, format!("{fact}; {advice}"))
+}
+
+/// The failure of one of several regions, or of some that are cut as one. `fact` names them; the first is to
+/// blame.
+fn of_regions(regions: &[usize], error: PocketError, fact: String) -> ApiError {
+    let at = regions.iter().min().map_or_else(|| member("/regions"), |k| member("/regions").index(*k));
+    let names = fact.strip_suffix(error.to_string().as_str()).unwrap_or_default().to_owned();
+    let failed = match error {
+        PocketError::Region(error) => return region(&at, &error, fact),
+        PocketError::Outline { island, error } => return outline(&at, island, error, fact),
+        PocketError::OutlinesTooFine { .. } => return too_fine(at.as_str(), &fact),
+        PocketError::Stopped(stopped) => return stopped.into(),
+        error => ApiError::from(error),
+    };
+    // The names of the regions, and then the detail that one region alone would have.
+    let detail = format!("{names}{}", failed.detail());
+    failed.saying(detail).blaming(&at, FieldCode::Conflict)
 }
 
 /// The failure of the boundary, or of an island, of the region at `region`.

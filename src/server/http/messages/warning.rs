@@ -131,6 +131,8 @@ pub enum WarningCode {
     BulgeOverHalfCircle,
     /// An island lies wholly outside the wall, and changes nothing.
     IslandOutside,
+    /// Another of several regions cuts a part of an island.
+    IslandCut,
     /// The region reaches beyond the surface or the heights, and nothing is cut there.
     RegionBeyondPart,
     /// The part stands above the top of the stock.

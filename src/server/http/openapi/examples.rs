@@ -24,9 +24,9 @@ const REQUESTS: Texts = texts!("examples", "json", {
     "curves-interpolate": ["band-of-x", "in-band", "nurbs", "parabolas", "profile", "sine", "spline"],
     "five-axis-smooth": ["blade", "corner", "program", "rotation", "table", "wave"],
     "pockets-plan": [
-        "arcs", "circle", "comb", "corner-island", "dome", "dumbbell", "fillets-above-radius", "fillets-below-radius",
-        "hundred-islands", "island", "islands-on-walls", "l-shape", "narrow-gaps", "noisy-outline", "rectangle",
-        "rest", "three-bumps",
+        "arcs", "boss", "circle", "comb", "corner-island", "dome", "dumbbell", "fillets-above-radius", "fillets-below-radius",
+        "hundred-islands", "island", "islands-on-walls", "l-shape", "narrow-gaps", "noisy-outline", "open-slot",
+        "rectangle", "regions", "rest", "three-bumps",
     ],
     "programs-read": ["drilling", "loop", "pocket"],
     "programs-write": ["contour", "holes", "inch-fanuc", "leaning", "one-line", "parabolas", "three-operations"],

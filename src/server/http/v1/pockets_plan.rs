@@ -1,6 +1,8 @@
 //! `POST /v1/pockets/plan`: plans the clearing of a pocket, and answers a toolpath, an NC program or a
 //! picture.
 
+use std::collections::BTreeSet;
+
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::Point3;
@@ -87,11 +89,18 @@ fn polyline(chain: &[Segment], z: f64) -> Vec<Point3<f64>> {
     points.into_iter().map(|p| Point3::new(p.x, p.y, z)).collect()
 }
 
-/// The line with the proved figures for the program's header. The gouge is rounded up.
+/// The line with the proved figures for the program's header. The gouge is rounded up. The levels of several
+/// pockets count for each of them.
 fn proved(report: &Report) -> String {
     let n_levels = report.levels.len();
+    let pockets: BTreeSet<&[usize]> =
+        report.levels.iter().filter_map(|level| level.regions.as_deref()).collect();
+    let of_pockets = match pockets.len() {
+        0 | 1 => String::new(),
+        count => format!(" OF {count} POCKETS"),
+    };
     format!(
-        "PROVED GOUGE {:.4} MM - UNCUT {:.1} MM2 ON {n_levels} LEVEL{}",
+        "PROVED GOUGE {:.4} MM - UNCUT {:.1} MM2 ON {n_levels} LEVEL{}{of_pockets}",
         rounded_up(report.gouge_max_mm),
         report.uncut_area_mm2,
         if n_levels == 1 { "" } else { "S" }

@@ -92,7 +92,7 @@ impl Router<'_> {
             return Ok(true);
         }
         let Some((distance, place)) = self.nearest_cut(start, through) else {
-            if self.is_rest && self.is_free(start) {
+            if self.is_rest() && self.is_free(start) {
                 return Ok(false);
             }
             let seconds = length / conditions.slot_feed.mm_per_s();

@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use nalgebra::{Point2, Vector2};
 
 use super::super::PocketError;
-use super::super::chain::{begun_at, nearest};
+use super::super::chain::{begun_at, foot, nearest};
 use super::super::entry::{self, Entry};
 use super::super::links::{Pose, Room, TURNS, direct};
-use super::{BESIDE_MM, LARGER_MM, Purpose, Router};
+use super::{BESIDE_MM, LARGER_MM, Purpose, Router, STARTS};
 use crate::geometry::region::{Containment, Outline, Region};
 use crate::geometry::segment::{Segment, left};
 
@@ -18,6 +18,13 @@ const GOOD: f64 = 0.5;
 
 /// Places on the circle of a helix at which it may end.
 const ENDS: usize = 8;
+
+/// How far beside the material the cutter comes down in the air, as a part of its radius, and mm.
+const BESIDE_MATERIAL: f64 = 0.05;
+const BESIDE_MATERIAL_MM: f64 = 0.2;
+
+/// The most places in the air from which a way into the material is looked for.
+const MOST_PLACES: usize = 8;
 
 impl Router<'_> {
     /// Comes down for a stroke, and goes to its start. Returns whether the cutter can come down in the
@@ -34,6 +41,9 @@ impl Router<'_> {
         }
         let to = Pose::before(&stroke[0]);
         if self.enter_where_told(k, to)? {
+            return Ok(true);
+        }
+        if self.is_open && self.enter_from_air(k, to)? {
             return Ok(true);
         }
         let most = 0.5 * self.conditions.entry.max_diameter_mm;
@@ -112,6 +122,65 @@ impl Router<'_> {
             return Ok(true);
         }
         Ok(fits && self.helix_about(center, room, to)?)
+    }
+
+    /// The place on a loop that is nearest to the air in front of open edges: the index of the element, and
+    /// the fraction of its length. `None` without such air.
+    pub(super) fn nearest_to_air(&self, elements: &[Segment]) -> Option<(usize, f64)> {
+        if !self.is_open {
+            return None;
+        }
+        let stride = elements.len().div_ceil(STARTS).max(1);
+        let places = (0..elements.len()).step_by(stride).flat_map(|k| [(k, 0.0), (k, 0.5)]);
+        let distance = |(k, t): (usize, f64)| {
+            let air = self.emptied.iter().flatten();
+            air.map(|air| foot(air, elements[k].at(t)).0).fold(f64::INFINITY, f64::min)
+        };
+        places
+            .map(|place| (distance(place), place))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, place)| place)
+    }
+
+    /// The first chain with an end in the air in front of open edges, and whether that is its last end.
+    pub(super) fn end_in_air(&mut self, chains: &[Vec<Segment>]) -> Option<(usize, bool)> {
+        if !self.is_open {
+            return None;
+        }
+        chains.iter().enumerate().find_map(|(k, chain)| {
+            let ends = [chain[0].start(), chain[chain.len() - 1].end()];
+            ends.into_iter().position(|end| self.is_free(end)).map(|end| (k, end == 1))
+        })
+    }
+
+    /// Comes down in the air, a little beside the place where the cutter would touch the material that is
+    /// nearest to a pose, and goes on to the pose through the material.
+    fn enter_from_air(&mut self, k: usize, to: Pose) -> Result<bool, PocketError> {
+        let mut places: Vec<(f64, Point2<f64>)> =
+            self.emptied.iter().flatten().map(|air| foot(air, to.at)).collect();
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut tried = 0;
+        let beside_mm = BESIDE_MATERIAL * self.conditions.radius_mm + BESIDE_MATERIAL_MM;
+        for (distance, touching) in places {
+            // The air is known a little too large.
+            let place = touching + (touching - to.at) * (beside_mm / distance.max(beside_mm));
+            let is_in = self.parts()[k].region.place(place, BESIDE_MM) != Containment::Outside;
+            if !is_in || !self.is_free(place) {
+                continue;
+            }
+            if let Some(along) = (to.at - place).try_normalize(BESIDE_MM)
+                && let Some(way) = self.slot([Pose { at: place, along }, to])?
+            {
+                self.begin(place, Entry::Open);
+                self.follow(&way, Purpose::Cut)?;
+                return Ok(true);
+            }
+            tried += 1;
+            if tried == MOST_PLACES {
+                break;
+            }
+        }
+        Ok(false)
     }
 
     /// The place on the path so far, in a part, that is nearest to a place and nearer than `within_mm`.

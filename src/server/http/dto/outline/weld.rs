@@ -29,10 +29,13 @@ pub struct Corner {
 
 /// The lines and arcs between the vertices of a closed outline, without those that are rounding.
 pub fn elements(outline: &[Corner]) -> Vec<Segment> {
-    let welded = welded(outline);
-    let next = welded.iter().cycle().skip(1);
-    let element = |(from, to): (&Corner, &Corner)| Segment::bulging(from.at, to.at, -from.bulge);
-    welded.iter().zip(next).map(element).filter(|element| element.start() != element.end()).collect()
+    edges(&welded(outline)).into_iter().filter(|element| element.start() != element.end()).collect()
+}
+
+/// The line or arc from each vertex of a closed outline to the next.
+pub fn edges(outline: &[Corner]) -> Vec<Segment> {
+    let next = outline.iter().cycle().skip(1);
+    outline.iter().zip(next).map(|(from, to)| Segment::bulging(from.at, to.at, -from.bulge)).collect()
 }
 
 /// The vertices of a closed outline, welded.

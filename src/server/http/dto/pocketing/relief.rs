@@ -98,7 +98,7 @@ impl SentRelief {
             (None, Some(heights)) => heights.convert(&root.field("heights"), limits, violations),
             (None, None) => {
                 if !has_region {
-                    let detail = "the pocket has no shape: send `region`, `heights` or `surface`";
+                    let detail = "the pocket has no shape: send `region`, `regions`, `heights` or `surface`";
                     violations.add(&root.field("region"), FieldCode::MissingField, detail);
                 }
                 let without = [

@@ -26,6 +26,7 @@
 
 mod axes;
 mod axonometric;
+pub mod bars;
 mod class;
 mod column;
 pub mod diagram;

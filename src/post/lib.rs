@@ -82,6 +82,19 @@ pub const MAX_BLOCKS: usize = 2_000_000;
 /// Blocks between two checks of the budget. More blocks delay a cancellation; fewer cost time.
 const BLOCKS_BETWEEN_CHECKS: usize = 1024;
 
+/// A remark that stands before a pass, as a comment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PassNote {
+    /// The index of the pass in the toolpath.
+    pub pass: usize,
+    /// The fixed label of the comment.
+    pub label: &'static str,
+    /// Any characters. The height of the pass stands behind the text, in the units of the program.
+    pub text: String,
+    /// The height of the pass, mm.
+    pub z_mm: f64,
+}
+
 /// The input from which a program is written, without its toolpath.
 #[derive(Debug, Clone, Copy)]
 pub struct ProgramJob<'a> {
@@ -92,6 +105,8 @@ pub struct ProgramJob<'a> {
     pub dialect: &'a Dialect,
     /// User text, one comment each; any characters.
     pub comments: &'a [String],
+    /// Remarks before passes of an upright tool, in the order of the passes.
+    pub pass_notes: &'a [PassNote],
     /// Warnings to people at the machine; each becomes one comment or several. Any characters.
     pub warnings: &'a [String],
     /// How the axis of a leaning tool is written. `None` for a toolpath whose axis is straight up.
@@ -109,6 +124,7 @@ impl<'a> ProgramJob<'a> {
             cutting,
             dialect,
             comments: &[],
+            pass_notes: &[],
             warnings: &[],
             five_axes: None,
             called: None,

@@ -27,6 +27,8 @@ pub struct Lowered {
     pub rails: Vec<RailWords>,
     /// The canned cycles of the blocks.
     pub cycles: Vec<CycleWords>,
+    /// For each note of the job the index of the block before which it stands.
+    pub notes_at: Vec<usize>,
     /// Upper bound for the distance of the feed moves from any path that a control may run for them, mm, both
     /// ways.
     pub displacement_mm: f64,
@@ -53,16 +55,16 @@ pub fn lower(
     if let Some(five) = job.five_axes {
         let Posed { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed } =
             posed::lower(toolpath, &five, job, budget)?;
-        let (end, cycles) = (None, Vec::new());
         return Ok(Lowered {
             blocks,
             rails,
-            cycles,
+            cycles: Vec::new(),
+            notes_at: Vec::new(),
             displacement_mm,
             displacement_axis,
             delay_s,
             slowed,
-            end,
+            end: None,
         });
     }
     if !toolpath.is_upright() {
@@ -99,7 +101,12 @@ fn upright(
         None => lowering.approach(clearance)?,
     }
     let (mut done, mut checked, total) = (0, 0, toolpath.moves().count());
-    for pass in toolpath.passes() {
+    let mut notes = job.pass_notes.iter().peekable();
+    let mut notes_at = Vec::new();
+    for (index, pass) in toolpath.passes().iter().enumerate() {
+        while notes.next_if(|note| note.pass <= index).is_some() {
+            notes_at.push(lowering.blocks.len());
+        }
         let mut cycles = pass.cycles().iter().peekable();
         let mut k = 0;
         while let Some(step) = pass.moves().get(k) {
@@ -129,6 +136,7 @@ fn upright(
         blocks: blocks.finish(),
         rails: Vec::new(),
         cycles,
+        notes_at,
         displacement_mm,
         displacement_axis: 0.0,
         delay_s: 0.0,

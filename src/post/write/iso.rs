@@ -94,7 +94,13 @@ struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     fn blocks(&mut self) -> Result<(), WriteError> {
-        self.part.lowered.blocks.iter().try_for_each(|block| self.block(block))
+        let part = self.part;
+        let mut notes = remarks::Notes::new(part);
+        for (k, block) in part.lowered.blocks.iter().enumerate() {
+            notes.write_before(k, &mut self.lines, &self.iso.comment)?;
+            self.block(block)?;
+        }
+        Ok(())
     }
 
     fn remarks(&mut self) -> Result<(), WriteError> {

@@ -52,8 +52,9 @@ use toolpathd_core::toolpath::cutting::{Caution, Cutting};
 use toolpathd_core::toolpath::measure::{Bounds, measure, measure_on};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_plot::Drawing;
+use toolpathd_plot::bars::BarChart;
 use toolpathd_plot::diagram::Diagram;
-use toolpathd_post::ProgramJob;
+use toolpathd_post::{PassNote, ProgramJob};
 
 /// The result of a computation, before it is encoded in one of the forms of answers.
 pub struct Outcome<R, P> {
@@ -79,6 +80,16 @@ pub trait Product {
     /// Diagrams of quantities over time. If there are any, they are the picture, and a second picture of a
     /// page.
     fn diagrams(&self) -> &[Diagram] {
+        &[]
+    }
+
+    /// Charts of times, which a page shows below the picture.
+    fn charts(&self) -> &[BarChart] {
+        &[]
+    }
+
+    /// Remarks before passes, in the order of the passes, for the program.
+    fn pass_notes(&self) -> &[PassNote] {
         &[]
     }
 
@@ -308,6 +319,9 @@ fn represent<R: Serialize + ToSchema, P: Product>(
             if !outcome.product.diagrams().is_empty() {
                 svg += &sheet::diagrams(&outcome);
             }
+            if !outcome.product.charts().is_empty() {
+                svg += &sheet::charts(&outcome);
+            }
             let bare = Form { with_toolpath: Some(false), ..form.clone() };
             let figures = serde_json::to_value(envelope(outcome, nc, &bare))
                 .map_err(|error| ApiError::new(Code::InternalError, format!("writing JSON: {error}")))?;
@@ -357,6 +371,7 @@ fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<St
         cutting,
         dialect,
         comments,
+        pass_notes: outcome.product.pass_notes(),
         warnings,
         five_axes,
         called: *called,

@@ -1,12 +1,12 @@
-//! The plan of one area: the routes of all patterns for each shape, the route of each level, and the passes that
-//! finish walls.
+//! The plan of one area: the routes of all patterns for each shape, the route of each level, and the
+//! passes that finish walls.
 
 use std::sync::Arc;
 
 use nalgebra::Point2;
 
 use super::PocketError;
-use super::candidate::{Route, routes};
+use super::candidate::routes;
 use super::choice::{Chosen, Found, choose};
 use super::conditions::Conditions;
 use super::entry_place;
@@ -51,8 +51,8 @@ pub enum Task {
 }
 
 impl Area {
-    /// Plans the area of a job, which stands for `regions` if the job is a part of a larger one. Then the place
-    /// of the entry may lie in another area.
+    /// Plans the area of a job, which stands for `regions` if the job is a part of a larger one. Then the
+    /// place of the entry may lie in another area.
     ///
     /// # Errors
     /// One of [`PocketError`].

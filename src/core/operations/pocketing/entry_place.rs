@@ -18,15 +18,14 @@ const SAME_MM: f64 = 1e-6;
 /// Refuses a place at which the cutter can come down on no level.
 ///
 /// # Errors
-/// When the place is outside on all levels, or has room for a helix on none and the cutter may not go straight
-/// down.
+/// When the place is outside on all levels, or has room for a helix on none and the cutter may not go
+/// straight down.
 pub fn check<'a>(
     limits: &EntryLimits,
     shapes: impl IntoIterator<Item = &'a Shape> + Clone,
 ) -> Result<(), PocketError> {
     let Some(at) = limits.at else { return Ok(()) };
-    let rooms =
-        || shapes.clone().into_iter().map(|shape| &shape.room.safe).filter(|safe| !safe.is_empty());
+    let rooms = || shapes.clone().into_iter().map(|shape| &shape.room.safe).filter(|safe| !safe.is_empty());
     let is_inside = |safe: &&Region| safe.place(at, BESIDE_MM) != Containment::Outside;
     let distance = |safe: &Region| safe.distance_to_boundary(at);
     let Some(room_mm) = rooms().filter(is_inside).map(distance).reduce(f64::max) else {

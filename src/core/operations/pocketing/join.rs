@@ -65,8 +65,8 @@ pub fn join(job: &Job, mut areas: Vec<Area>, visits: &[Visit], budget: &Budget) 
     Ok(Plan { toolpath, report, outlines, starts, cutting, highest_mm: heights.highest_mm, warnings })
 }
 
-/// Appends the runs of all visits to the toolpath that begins over the first run, and tells where the passes of
-/// each visit begin. None without any run.
+/// Appends the runs of all visits to the toolpath that begins over the first run, and tells where the
+/// passes of each visit begin. None without any run.
 fn append(
     areas: &[Area],
     visits: &[Visit],

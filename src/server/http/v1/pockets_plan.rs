@@ -3,8 +3,6 @@
 
 mod charts;
 
-use std::collections::BTreeSet;
-
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::Point3;
@@ -95,14 +93,14 @@ fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Plann
 
 /// The remarks of the program before the first pass of each level, and before the passes that finish walls.
 fn pass_notes(starts: &[LevelStart], report: &Report) -> Vec<PassNote> {
-    let n_levels = report.levels.len();
+    let (n_levels, n_pockets) = (report.levels.len(), charts::n_pockets(report));
     let note = |start: &LevelStart| {
         let &LevelStart { pass, level, z_mm, pattern } = start;
         let (label, text) = match pattern {
             Some(pattern) => ("LEVEL", format!("{} OF {n_levels} - {}", level + 1, charts::words(pattern))),
             None => ("FINISH", "WALLS AND ISLANDS".to_owned()),
         };
-        let of_regions = charts::of_regions(&report.levels[level], " - ");
+        let of_regions = charts::of_regions(&report.levels[level], n_pockets, " - ");
         PassNote { pass, label, text: text + &of_regions, z_mm }
     };
     starts.iter().map(note).collect()
@@ -146,9 +144,7 @@ fn polyline(chain: &[Segment], z: f64) -> Vec<Point3<f64>> {
 /// pockets count for each of them.
 fn proved(report: &Report) -> String {
     let n_levels = report.levels.len();
-    let pockets: BTreeSet<&[usize]> =
-        report.levels.iter().filter_map(|level| level.regions.as_deref()).collect();
-    let of_pockets = match pockets.len() {
+    let of_pockets = match charts::n_pockets(report) {
         0 | 1 => String::new(),
         count => format!(" OF {count} POCKETS"),
     };

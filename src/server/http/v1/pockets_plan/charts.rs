@@ -1,5 +1,7 @@
-//! Times of the patterns of a pocket as charts: on each level, and summed over all levels, as in figures 8 and
-//! 9 of the paper by Ryu, Kang and Jeon.
+//! Times of the patterns of a pocket as charts: on each level, and summed over all levels, as in figures 8
+//! and 9 of the paper by Ryu, Kang and Jeon.
+
+use std::collections::BTreeSet;
 
 use toolpathd_core::operations::pocketing::{Candidate, ChooseBy, LevelReport, Pattern, Report};
 use toolpathd_plot::bars::{Bar, BarChart, Kind};
@@ -10,7 +12,7 @@ const LEVELS: usize = 1;
 
 /// The charts of all levels that are cut; first their sum, if there are several.
 pub fn charts(report: &Report, choose_by: ChooseBy) -> Vec<BarChart> {
-    let n_levels = report.levels.len();
+    let (n_levels, n_pockets) = (report.levels.len(), n_pockets(report));
     let cut: Vec<(usize, &LevelReport)> =
         report.levels.iter().enumerate().filter(|(_, level)| level.chosen.is_some()).collect();
     let mut charts = Vec::new();
@@ -21,7 +23,7 @@ pub fn charts(report: &Report, choose_by: ChooseBy) -> Vec<BarChart> {
         name: format!(
             "Level {} of {n_levels}{}, floor at Z {:.3} mm",
             k + 1,
-            of_regions(level, ", "),
+            of_regions(level, n_pockets, ", "),
             level.z_mm + 0.0
         ),
         axis: axis(choose_by).to_owned(),
@@ -37,9 +39,14 @@ pub fn words(pattern: Pattern) -> String {
     name.as_ref().and_then(|name| name.as_str()).unwrap_or_default().replace('_', " ")
 }
 
-/// The regions of a level behind a separator, by their indices in the request; nothing for the only region.
-pub fn of_regions(level: &LevelReport, separator: &str) -> String {
-    match level.regions.as_deref() {
+/// The number of pockets that are cut apart: of regions, or of regions that are cut as one.
+pub fn n_pockets(report: &Report) -> usize {
+    report.levels.iter().map(|level| level.regions.as_deref()).collect::<BTreeSet<_>>().len()
+}
+
+/// The regions of a level behind a separator, by their indices in the request; nothing for the only pocket.
+pub fn of_regions(level: &LevelReport, n_pockets: usize, separator: &str) -> String {
+    match level.regions.as_deref().filter(|_| n_pockets > 1) {
         None | Some([]) => String::new(),
         Some([only]) => format!("{separator}region {only}"),
         Some([first, others @ ..]) => format!("{separator}region {first} and {} more", others.len()),

@@ -169,6 +169,9 @@ pub struct Operation<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct NcProgram {
     pub text: String,
+    /// For each move of each operation the line that ends it, counted from 1. A move that needs no block
+    /// has the line of the move before.
+    pub move_lines: Vec<Vec<u32>>,
     /// Upper bound for the distance between the feed moves and any path that a control may run for them, mm,
     /// both ways.
     pub max_displacement_mm: f64,
@@ -285,12 +288,13 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
 /// One of [`WriteError`]. A program that does not read back as its toolpaths is never returned.
 pub fn write_all(operations: &[Operation], budget: &Budget) -> Result<NcProgram, WriteError> {
     let parts = parts(operations, budget)?;
-    let Written { text, custom } = write::text(&parts)?;
+    let Written { text, custom, block_ends } = write::text(&parts)?;
     let max_radius_mismatch_mm = check::read_back(&text, &custom, &parts, budget)?;
     let largest =
         |of: fn(&lower::Lowered) -> f64| parts.iter().map(|part| of(&part.lowered)).fold(0.0, f64::max);
     Ok(NcProgram {
         text,
+        move_lines: parts.iter().zip(&block_ends).map(|(part, ends)| move_lines(part, ends)).collect(),
         max_displacement_mm: largest(|lowered| lowered.displacement_mm),
         max_displacement_axis: largest(|lowered| lowered.displacement_axis),
         max_radius_mismatch_mm,
@@ -300,6 +304,15 @@ pub fn write_all(operations: &[Operation], budget: &Budget) -> Result<NcProgram,
             .sum(),
         slowed: parts.iter().map(|part| part.lowered.slowed).sum(),
     })
+}
+
+/// For each move of an operation the line that ends it. `block_ends` has the lines of the operation's blocks.
+fn move_lines(part: &Part, block_ends: &[u32]) -> Vec<u32> {
+    let line = |n_blocks: &u32| {
+        let last = (*n_blocks as usize).checked_sub(1).and_then(|k| block_ends.get(k));
+        last.copied().unwrap_or(0)
+    };
+    part.lowered.move_ends.iter().map(line).collect()
 }
 
 /// The operations as blocks with remarks, and what changes between them.

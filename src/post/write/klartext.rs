@@ -82,9 +82,11 @@ impl<'a> Writer<'a> {
     fn blocks(&mut self) -> Result<(), WriteError> {
         let part = self.part;
         let mut notes = remarks::Notes::new(part);
+        self.lines.begin_blocks();
         for (k, block) in part.lowered.blocks.iter().enumerate() {
             notes.write_before(k, &mut self.lines, &COMMENT)?;
             self.block(block)?;
+            self.lines.end_block();
         }
         Ok(())
     }

@@ -38,9 +38,9 @@ pub struct PocketEntry {
     /// keep entries of their own. A pattern that comes down at the place wins over a pattern that cannot.
     /// Default: the service chooses.
     at: Option<PlanePoint>,
-    /// Diameter of a hole that is drilled at `at`, in mm. It has this diameter down to `floor_z_mm`. The cutter
-    /// goes straight down in it. The hole is at least as wide as the cutter. A narrower hole leaves a ring
-    /// through which the cutter plunges, and needs `plunge: true`. Default: no hole.
+    /// Diameter of a hole that is drilled at `at`, in mm. It has this diameter down to `floor_z_mm`. The
+    /// cutter goes straight down in it. The hole is at least as wide as the cutter. A narrower hole leaves
+    /// a ring through which the cutter plunges, and needs `plunge: true`. Default: no hole.
     #[schema(minimum = 0.001, maximum = 1_000_000)]
     predrilled_diameter_mm: Option<f64>,
 }

@@ -1,5 +1,6 @@
 //! Draws a toolpath, a surface or both as one SVG sheet: A4 landscape, to scale when printed. [`svg`] draws
-//! three views; [`axonometric`](fn@axonometric) draws one.
+//! three views; [`axonometric`](fn@axonometric) draws one. [`gltf`] writes them for programs that show three
+//! dimensions.
 //!
 //! # Method
 //! 1. `layout` arranges three views in first-angle projection: plan, front and left side. It takes the
@@ -26,9 +27,11 @@
 
 mod axes;
 mod axonometric;
+pub mod bars;
 mod class;
 mod column;
 pub mod diagram;
+pub mod gltf;
 mod ink;
 mod layout;
 mod marks;

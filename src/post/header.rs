@@ -10,7 +10,7 @@ use super::dialect::Dialect;
 use super::lower::Lowered;
 use super::posed::Slowed;
 use super::words::{self, FeedWord};
-use super::{AxisOutput, FiveAxes, Operation, ProgramJob, WriteError};
+use super::{AxisOutput, FiveAxes, Operation, PassNote, ProgramJob, WriteError};
 use toolpathd_core::toolpath::cutting::Coolant;
 use toolpathd_core::toolpath::measure::{Bounds, measure};
 use toolpathd_core::toolpath::motion_time::motion_time;
@@ -92,6 +92,12 @@ fn of_program(job: &ProgramJob, operations: &[Operation], times: Option<Times>) 
         remarks.push(Remark { label: "TIME OF ALL", text });
     }
     remarks
+}
+
+/// The remark that stands before a pass.
+pub fn of_pass(note: &PassNote, job: &ProgramJob) -> Remark {
+    let height = Unit::of(job).length(note.z_mm);
+    Remark { label: note.label, text: format!("{} - Z {height}", note.text) }
 }
 
 fn notes(job: &ProgramJob) -> Vec<Remark> {

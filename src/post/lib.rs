@@ -82,6 +82,19 @@ pub const MAX_BLOCKS: usize = 2_000_000;
 /// Blocks between two checks of the budget. More blocks delay a cancellation; fewer cost time.
 const BLOCKS_BETWEEN_CHECKS: usize = 1024;
 
+/// A remark that stands before a pass, as a comment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PassNote {
+    /// The index of the pass in the toolpath.
+    pub pass: usize,
+    /// The fixed label of the comment.
+    pub label: &'static str,
+    /// Any characters. The height of the pass stands behind the text, in the units of the program.
+    pub text: String,
+    /// The height of the pass, mm.
+    pub z_mm: f64,
+}
+
 /// The input from which a program is written, without its toolpath.
 #[derive(Debug, Clone, Copy)]
 pub struct ProgramJob<'a> {
@@ -92,6 +105,8 @@ pub struct ProgramJob<'a> {
     pub dialect: &'a Dialect,
     /// User text, one comment each; any characters.
     pub comments: &'a [String],
+    /// Remarks before passes of an upright tool, in the order of the passes.
+    pub pass_notes: &'a [PassNote],
     /// Warnings to people at the machine; each becomes one comment or several. Any characters.
     pub warnings: &'a [String],
     /// How the axis of a leaning tool is written. `None` for a toolpath whose axis is straight up.
@@ -109,6 +124,7 @@ impl<'a> ProgramJob<'a> {
             cutting,
             dialect,
             comments: &[],
+            pass_notes: &[],
             warnings: &[],
             five_axes: None,
             called: None,
@@ -153,6 +169,9 @@ pub struct Operation<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct NcProgram {
     pub text: String,
+    /// For each move of each operation the line that ends it, counted from 1. A move that needs no block
+    /// has the line of the move before.
+    pub move_lines: Vec<Vec<u32>>,
     /// Upper bound for the distance between the feed moves and any path that a control may run for them, mm,
     /// both ways.
     pub max_displacement_mm: f64,
@@ -269,12 +288,13 @@ pub fn write(toolpath: &Toolpath, job: &ProgramJob, budget: &Budget) -> Result<N
 /// One of [`WriteError`]. A program that does not read back as its toolpaths is never returned.
 pub fn write_all(operations: &[Operation], budget: &Budget) -> Result<NcProgram, WriteError> {
     let parts = parts(operations, budget)?;
-    let Written { text, custom } = write::text(&parts)?;
+    let Written { text, custom, block_ends } = write::text(&parts)?;
     let max_radius_mismatch_mm = check::read_back(&text, &custom, &parts, budget)?;
     let largest =
         |of: fn(&lower::Lowered) -> f64| parts.iter().map(|part| of(&part.lowered)).fold(0.0, f64::max);
     Ok(NcProgram {
         text,
+        move_lines: parts.iter().zip(&block_ends).map(|(part, ends)| move_lines(part, ends)).collect(),
         max_displacement_mm: largest(|lowered| lowered.displacement_mm),
         max_displacement_axis: largest(|lowered| lowered.displacement_axis),
         max_radius_mismatch_mm,
@@ -284,6 +304,15 @@ pub fn write_all(operations: &[Operation], budget: &Budget) -> Result<NcProgram,
             .sum(),
         slowed: parts.iter().map(|part| part.lowered.slowed).sum(),
     })
+}
+
+/// For each move of an operation the line that ends it. `block_ends` has the lines of the operation's blocks.
+fn move_lines(part: &Part, block_ends: &[u32]) -> Vec<u32> {
+    let line = |n_blocks: &u32| {
+        let last = (*n_blocks as usize).checked_sub(1).and_then(|k| block_ends.get(k));
+        last.copied().unwrap_or(0)
+    };
+    part.lowered.move_ends.iter().map(line).collect()
 }
 
 /// The operations as blocks with remarks, and what changes between them.

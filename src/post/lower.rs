@@ -27,6 +27,10 @@ pub struct Lowered {
     pub rails: Vec<RailWords>,
     /// The canned cycles of the blocks.
     pub cycles: Vec<CycleWords>,
+    /// For each move of the toolpath the number of blocks up to its end.
+    pub move_ends: Vec<u32>,
+    /// For each note of the job the index of the block before which it stands.
+    pub notes_at: Vec<usize>,
     /// Upper bound for the distance of the feed moves from any path that a control may run for them, mm, both
     /// ways.
     pub displacement_mm: f64,
@@ -51,18 +55,19 @@ pub fn lower(
     let mut cycles = toolpath.passes().iter().flat_map(Pass::cycles);
     cycles.try_for_each(|cycle| check_heights(&cycle.hole, &grid))?;
     if let Some(five) = job.five_axes {
-        let Posed { blocks, rails, displacement_mm, displacement_axis, delay_s, slowed } =
+        let Posed { blocks, rails, move_ends, displacement_mm, displacement_axis, delay_s, slowed } =
             posed::lower(toolpath, &five, job, budget)?;
-        let (end, cycles) = (None, Vec::new());
         return Ok(Lowered {
             blocks,
             rails,
-            cycles,
+            cycles: Vec::new(),
+            move_ends,
+            notes_at: Vec::new(),
             displacement_mm,
             displacement_axis,
             delay_s,
             slowed,
-            end,
+            end: None,
         });
     }
     if !toolpath.is_upright() {
@@ -99,7 +104,13 @@ fn upright(
         None => lowering.approach(clearance)?,
     }
     let (mut done, mut checked, total) = (0, 0, toolpath.moves().count());
-    for pass in toolpath.passes() {
+    let mut move_ends = Vec::with_capacity(total);
+    let mut notes = job.pass_notes.iter().peekable();
+    let mut notes_at = Vec::new();
+    for (index, pass) in toolpath.passes().iter().enumerate() {
+        while notes.next_if(|note| note.pass <= index).is_some() {
+            notes_at.push(lowering.blocks.len());
+        }
         let mut cycles = pass.cycles().iter().peekable();
         let mut k = 0;
         while let Some(step) = pass.moves().get(k) {
@@ -116,10 +127,11 @@ fn upright(
                 && lowering.cycle(cycle)?
             {
                 k = cycle.moves.end;
-                continue;
+            } else {
+                lowering.step(step)?;
+                k += 1;
             }
-            lowering.step(step)?;
-            k += 1;
+            move_ends.resize(done + k, u32::try_from(lowering.blocks.len()).unwrap_or(u32::MAX));
         }
         done += pass.moves().len();
     }
@@ -129,6 +141,8 @@ fn upright(
         blocks: blocks.finish(),
         rails: Vec::new(),
         cycles,
+        move_ends,
+        notes_at,
         displacement_mm,
         displacement_axis: 0.0,
         delay_s: 0.0,

@@ -67,6 +67,8 @@ const MOST_HALVINGS: u32 = 16;
 pub struct Posed {
     pub blocks: Vec<Block>,
     pub rails: Vec<RailWords>,
+    /// For each move of the toolpath the number of blocks up to its end.
+    pub move_ends: Vec<u32>,
     pub displacement_mm: f64,
     /// Radians.
     pub displacement_axis: f64,
@@ -84,7 +86,7 @@ pub fn lower(
     budget: &Budget,
 ) -> Result<Posed, WriteError> {
     let grid = Grid::new(job.program.resolution);
-    let Legs { start, rotary, legs, delay_s } =
+    let Legs { start, rotary, legs, ends, delay_s } =
         legs::divide(toolpath, job, 0.5 * grid.step_mm(), five.output == AxisOutput::Rails)?;
     let stated = stated(five.machine, (&start, rotary), &legs);
     let has_positions = stated.is_some();
@@ -113,6 +115,8 @@ pub fn lower(
     let clearance = grid.units(job.cutting.clearance_z_mm)?;
     lowering.approach(&start, joints_at(0), clearance)?;
     let (mut from, mut checked) = (start, 0);
+    let mut blocks_by_legs = Vec::with_capacity(legs.len() + 1);
+    blocks_by_legs.push(lowering.blocks.len());
     for (k, leg) in legs.iter().enumerate() {
         if k.is_multiple_of(BLOCKS_BETWEEN_CHECKS) || lowering.blocks.len() >= checked + BLOCKS_BETWEEN_CHECKS
         {
@@ -131,11 +135,15 @@ pub fn lower(
             }
         }
         from = leg.to;
+        blocks_by_legs.push(lowering.blocks.len());
     }
+    let n_blocks = |n_legs: &usize| u32::try_from(blocks_by_legs[*n_legs]).unwrap_or(u32::MAX);
+    let move_ends = ends.iter().map(n_blocks).collect();
     lowering.retract(clearance)?;
     let Lowering { blocks, rails, displacement_mm, displacement_axis, slowed, capped_s, .. } = lowering;
     let delay_s = delay_s + slowed.by_s + slowed.coarse_by_s + capped_s;
-    Ok(Posed { blocks: blocks.finish(), rails, displacement_mm, displacement_axis, delay_s, slowed })
+    let blocks = blocks.finish();
+    Ok(Posed { blocks, rails, move_ends, displacement_mm, displacement_axis, delay_s, slowed })
 }
 
 /// The positions of all axes at the start and at the end of each motion; `None` unless the toolpath holds the

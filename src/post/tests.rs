@@ -88,6 +88,7 @@ fn written_in(
         comments,
         warnings,
         five_axes: None,
+        pass_notes: &[],
         called: None,
     };
     write(toolpath, &job, &Budget::unlimited())

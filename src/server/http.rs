@@ -15,6 +15,7 @@ mod dto;
 mod error;
 mod messages;
 mod openapi;
+mod page;
 mod pointer;
 mod request;
 mod service;
@@ -65,6 +66,7 @@ pub fn router(app: &Arc<App>) -> Router {
     let (routes, _) = openapi::routes().split_for_parts();
     routes
         .merge(docs::routes())
+        .merge(page::routes())
         .route_layer(from_fn_with_state(app.admission.clone(), admission::admit))
         .with_state(Arc::clone(app))
         .layer(compression::layer())

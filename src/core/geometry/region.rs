@@ -2,14 +2,15 @@
 //! and area, and whether a place lies inside.
 //!
 //! # Method
-//! 1. All outlines are cut where they meet. The parts are edges (`arrangement`).
-//! 2. For the places on both sides of each edge, the windings are computed (`winding`). The winding of an
-//!    outline about a place is how often the outline turns about the place. Each operation has a rule that
-//!    decides from the windings whether a place is in the result.
-//! 3. The faces between the edges (`orbits`) are inside or outside. The edges that have the result on exactly
-//!    one side are joined into the outlines of the result (`trace`).
-//! 4. For an offset, all outlines are offset first ([`offset`](crate::geometry::offset)). Steps 1 to 3 are
-//!    then done for the chains of the offset (`grown`).
+//! 1. All outlines are cut where they meet each other. The pieces are called edges (`arrangement`).
+//! 2. The windings of the places to the left and to the right of each edge are computed (`winding`). The
+//!    winding of an outline about a place is the number of turns that the outline makes about the place. Each
+//!    operation has a rule that decides from the windings whether a place belongs to the result.
+//! 3. The edges divide the plane into faces (`orbits`). The rule says of each face whether it belongs to the
+//!    result. An edge with the result on exactly one of its sides lies on the boundary of the result; these
+//!    edges are joined to outlines (`trace`).
+//! 4. An offset moves all outlines aside first ([`offset`](crate::geometry::offset)). Then steps 1 to 3 are
+//!    done with the moved outlines (`grown`).
 //!
 //! # Guarantees
 //! * Outer outlines run counterclockwise and islands clockwise. The outlines of one region do not cross each
@@ -17,9 +18,10 @@
 //! * The boundary of a result lies within a few snaps of the exact boundary. A snap is 1e-6 mm, or up to
 //!   16e-6 mm if outlines run very close to each other for a long way. Parts of a region that are narrower
 //!   than 1e-6 mm are dropped. An empty region is a valid result.
-//! * Outlines may touch, nearly touch and coincide. If sides of one face contradict each other, the edges are
-//!   cut again, and the snap is made larger. A region is refused only if they still do over more than 1e-3
-//!   mm, or if it needs more than a million elements.
+//! * Outlines may touch, nearly touch and coincide. Two edges of one face may contradict each other: by one
+//!   of them the face belongs to the result, by the other it does not. Then all edges are cut again, and with
+//!   a larger snap if need be. A region is refused only if edges of more than 1e-3 mm still contradict each
+//!   other, or if the region needs more than a million elements.
 //!
 //! # Cost
 //! O(n log n + k) for n elements, where k is the number of pairs of elements whose boxes meet. In addition,
@@ -49,9 +51,9 @@ use arrangement::{Arrangement, ArrangementError, Loop, SNAP_MM};
 pub use front::Stretches;
 pub use outline::{Outline, OutlineError, area};
 
-/// The snaps and the passes of the arrangements that are tried, until one puts every side of its edges where
-/// the rest of the face is, mm. Where edges stay as near as the snap for a long way, snapping may make them
-/// cross; more passes cut them there, and a larger snap makes them one.
+/// The snaps, mm, and the numbers of passes that are tried one after the other, until no edges of one face
+/// contradict each other. Edges that run within a snap of each other for a long way may be made to cross by
+/// snapping. More passes cut them where they cross; a larger snap makes one edge of them.
 const ATTEMPTS: [(f64, usize); 4] = [(SNAP_MM, 1), (SNAP_MM, 6), (4.0 * SNAP_MM, 6), (16.0 * SNAP_MM, 6)];
 
 /// The longest boundary that may stay on the wrong side if no attempt is free of contradictions, mm. Sides

@@ -4,16 +4,18 @@
 //! 1. The pocket is divided into levels (`level`). The pocket of a level comes from outlines, from measured
 //!    heights or from a surface (`part`, `labelling`). The cutter's centre may be in the pocket, offset
 //!    inward by the radius and the allowance.
-//! 2. Each pattern clears what is about a stepover inside. It makes chains of lines and arcs (`rings`,
-//!    `islands`, `rows`, `strips`), or follows what is left of the material (`engagement`). Then walls and
-//!    islands are cut with leads (`walls`). The `router` joins the chains: it chooses where loops begin,
-//!    links them, lifts, and comes down into the material (`entry`). It knows the angle of the cutter in the
-//!    material all along ([`engagement`](crate::machining::engagement)). What earlier tools have emptied
+//! 2. Each pattern first clears all but a layer about one stepover thick along walls and islands. It makes
+//!    chains of lines and arcs (`rings`, `islands`, `rows`, `strips`), or follows the edge of the material
+//!    (`engagement`). Then the layer is cut along walls and islands, with leads (`walls`). The `router` joins
+//!    the chains: it chooses where loops begin, links them, lifts, and comes down into the material
+//!    (`entry`), first at the place that the job names (`entry_place`). It knows the angle of the cutter in
+//!    the material all along ([`engagement`](crate::machining::engagement)). What earlier tools have emptied
 //!    counts as cut before the first move (`cleared`); then only the parts of chains that meet material are
 //!    cut (`pieces`).
 //! 3. Each route is checked for what it leaves, for gouges and for links through material (`check`).
-//! 4. On each level the route with the least time among those that pass the check is taken. The feed goes
-//!    down where the angle of the cutter in the material is large (`feeds`), so such places take their time.
+//! 4. On each level the route with the least time among those that pass the check is taken (`choice`). The
+//!    feed goes down where the angle of the cutter in the material is large (`feeds`), so such places take
+//!    their time.
 //! 5. Walls and floor are finished (`finish`).
 //! 6. Steps 1 to 5 plan one area (`area`). Several regions make areas that have nothing in common
 //!    (`regions`), and each area is planned alone. Their paths become one toolpath (`join`).
@@ -48,6 +50,7 @@ mod area;
 mod candidate;
 mod chain;
 mod check;
+mod choice;
 mod cleared;
 mod conditions;
 mod crossings;
@@ -55,6 +58,7 @@ mod depth;
 mod doubts;
 mod engagement;
 mod entry;
+mod entry_place;
 mod feeds;
 mod finish;
 mod growth;
@@ -108,10 +112,25 @@ pub struct Plan {
     pub report: Report,
     /// Of each level of the report.
     pub outlines: Vec<LevelOutlines>,
+    /// In the order of the passes.
+    pub starts: Vec<LevelStart>,
     pub cutting: Cutting,
     /// The height of the stock's top or of the part's highest point, whichever is higher, mm.
     pub highest_mm: f64,
     pub warnings: Vec<Warning>,
+}
+
+/// Where the passes of a level begin, or the passes that finish walls over one depth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelStart {
+    /// The index of the first pass in the toolpath.
+    pub pass: usize,
+    /// The index of the level in the report.
+    pub level: usize,
+    /// The height to which the passes go, mm.
+    pub z_mm: f64,
+    /// The pattern of the level; none where walls are finished.
+    pub pattern: Option<Pattern>,
 }
 
 /// Something about the plan that the operator should know.
@@ -131,6 +150,10 @@ pub enum Warning {
         "patterns are compared by the paper's time: slots are cut at the full feed, unless a feed for slots is given"
     )]
     LoadNotBounded,
+    #[error(
+        "on {count} of {of} levels, first at {z_mm} mm, the cutter does not come down at the chosen place: the place is outside there, has no room for an entry, or needs none"
+    )]
+    EntryElsewhere { count: usize, of: usize, z_mm: f64 },
     #[error("islands by labelling are as coarse as the grid, and the path cuts up to {:.4} mm into the part", rounded_up(*gouge_mm))]
     IslandsByLabelling { gouge_mm: f64 },
 }
@@ -175,6 +198,14 @@ pub enum PocketError {
         "near {at} neither a helix of {least_mm} mm nor a ramp fits, and a plunge is not allowed; a tool of at most {largest_mm:.3} mm has room"
     )]
     NoEntry { at: Point2<f64>, least_mm: f64, largest_mm: f64 },
+    #[error(
+        "the place of the entry at {at} is {by_mm:.3} mm outside of where the cutter's centre may come down"
+    )]
+    EntryOutside { at: Point2<f64>, by_mm: f64 },
+    #[error(
+        "at {at}, the place of the entry, a helix has room for {room_mm:.3} mm and needs {least_mm} mm, and a plunge is not allowed"
+    )]
+    EntryTooNarrow { at: Point2<f64>, room_mm: f64, least_mm: f64 },
     #[error("the pocket needs more than {limit} {what}")]
     TooMuchWork { what: &'static str, limit: usize },
     #[error("no pattern passes the check; the first one fails because {because}")]

@@ -1,5 +1,7 @@
 //! A leaning toolpath as straight motions between poses, and motions along rails.
 
+use std::cell::Cell;
+
 use super::super::{MAX_BLOCKS, ProgramJob, WriteError};
 use toolpathd_core::geometry::curve::Curve;
 use toolpathd_core::geometry::flatten::flatten;
@@ -46,6 +48,8 @@ pub struct Legs<'a> {
     /// The positions of the rotary axes at the start, radians, where the toolpath has them.
     pub rotary: Option<[f64; 2]>,
     pub legs: Vec<Leg<'a>>,
+    /// For each move of the toolpath the number of legs up to its end.
+    pub ends: Vec<usize>,
     /// How much longer the rails take than their moves, s.
     pub delay_s: f64,
 }
@@ -63,9 +67,11 @@ pub fn divide<'a>(
     let mut axis = start.axis;
     let begins = toolpath.passes().first().and_then(|pass| Some(pass.rotary()?.start));
     let mut rotary = begins;
-    let (mut legs, mut delay_s) = (Vec::new(), 0.0);
+    let (mut legs, mut ends, mut delay_s) = (Vec::new(), Vec::new(), 0.0);
+    let n_legs = Cell::new(0);
     let mut push = |to: Pose, rotary: Option<[f64; 2]>, time: LegTime, rail: Option<&'a Rail>| {
         legs.push(Leg { to, rotary, time, rail });
+        n_legs.set(legs.len());
         if legs.len() > MAX_BLOCKS { Err(WriteError::TooManyBlocks { limit: MAX_BLOCKS }) } else { Ok(()) }
     };
     for pass in toolpath.passes() {
@@ -84,9 +90,12 @@ pub fn divide<'a>(
                 (tip, axis) = (rail.tip[5], pass.axes().after(k));
                 rotary = rotary_after(pass, k);
                 push(Pose { tip, axis }, rotary, LegTime::Feed(rate), Some(rail))?;
+                ends.push(n_legs.get());
                 continue;
             }
             if rails.peek().is_some_and(|rail| rail.moves.contains(&k)) {
+                // The rail to come ends all of its moves.
+                ends.push(n_legs.get() + 1);
                 continue;
             }
             let from = Pose { tip, axis };
@@ -131,9 +140,10 @@ pub fn divide<'a>(
                 }
                 Move::Dwell { seconds } => push(from, rotary, LegTime::Dwell(*seconds), None)?,
             }
+            ends.push(n_legs.get());
         }
     }
-    Ok(Legs { start, rotary: begins, legs, delay_s })
+    Ok(Legs { start, rotary: begins, legs, ends, delay_s })
 }
 
 /// The positions of the rotary axes at the end of the move `k` of a pass.

@@ -81,3 +81,64 @@ fn a_short_line_divides_no_number_and_leaves_none_out() {
         assert!([50, 60].contains(&told.len()), "{} {told}", dialect.name);
     }
 }
+
+/// Two passes, each with a cut at its own depth.
+fn two_levels() -> Toolpath {
+    let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 45.0));
+    for (level, z) in [(0, -1.27), (1, -2.54)] {
+        path.begin_pass(Some(level));
+        path.line(Point3::new(0.0, 0.0, z), FeedRate::from_mm_per_min(400.0).unwrap(), Role::Plunge).unwrap();
+        path.line(Point3::new(9.0, 0.0, z), FeedRate::from_mm_per_min(800.0).unwrap(), Role::Cut).unwrap();
+        path.rapid(Point3::new(9.0, 0.0, 45.0)).unwrap();
+        path.rapid(Point3::new(0.0, 0.0, 45.0)).unwrap();
+    }
+    path.finish().unwrap()
+}
+
+#[test]
+fn a_note_stands_before_the_first_block_of_its_pass_and_changes_nothing_else() {
+    let (path, cutting) = (two_levels(), Cutting { coolant: Coolant::Off, ..cutting() });
+    let note = |pass: usize, z_mm: f64| PassNote {
+        pass,
+        label: "LEVEL",
+        text: format!("{} of 2 - \u{fc}ber (all)\nG0 Z-99", pass + 1),
+        z_mm,
+    };
+    let notes = [note(0, -1.27), note(1, -2.54)];
+    for dialect in DIALECTS {
+        for units in [Units::Mm, Units::Inch] {
+            let program = Program::plain(Resolution { units, decimals: dialect.default_decimals_mm });
+            let tool = Tool { length_offset: None, ..TOOL };
+            let bare = ProgramJob { tool: Some(&tool), ..ProgramJob::plain(&program, &cutting, dialect) };
+            let with_notes = ProgramJob { pass_notes: &notes, ..bare };
+            let Ok(bare) = write(&path, &bare, &Budget::unlimited()) else { continue };
+            let told = write(&path, &with_notes, &Budget::unlimited()).unwrap().text;
+            if !dialect.abilities.has_comments {
+                assert_eq!(told, bare.text, "{}", dialect.name);
+                continue;
+            }
+            let is_told = |line: &&str| line.contains("LEVEL");
+            let parts: Vec<String> = told
+                .lines()
+                .collect::<Vec<_>>()
+                .split(is_told)
+                .map(|part| part.iter().filter(|line| !line.contains(['(', ';'])).copied().collect())
+                .collect();
+            assert_eq!(parts.len(), 3, "{}:\n{told}", dialect.name);
+            let depths = if units == Units::Mm { ["-1.27", "-2.54"] } else { ["-0.05", "-0.1"] };
+            for (k, part) in parts.iter().enumerate() {
+                let reached = depths.map(|depth| part.contains(&format!("Z{depth}")));
+                assert_eq!(reached, [k == 1, k == 2], "{}:\n{told}", dialect.name);
+            }
+            for (line, depth) in told.lines().filter(is_told).zip(depths) {
+                assert!(line.contains(&format!(" OF 2 - UBER ALL G0 Z-99 - Z {depth}")), "{line}");
+            }
+            let blocks = |text: &str| -> Vec<String> {
+                let is_number = |c: char| c.is_ascii_digit() || c == ' ';
+                let blocks = text.lines().filter(|line| !is_told(line));
+                blocks.map(|line| line.trim_start_matches(is_number).to_owned()).collect()
+            };
+            assert_eq!(blocks(&told), blocks(&bare.text), "{}", dialect.name);
+        }
+    }
+}

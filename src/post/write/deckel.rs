@@ -39,6 +39,7 @@ pub fn text(blocks: &[Block], job: &ProgramJob) -> Result<Written, WriteError> {
         writer.lines.end_unnumbered()?;
     }
     let mut n_parked = 0;
+    writer.lines.begin_blocks();
     for (k, block) in blocks.iter().enumerate() {
         let is_parked = matches!(block, Block::Park { .. });
         n_parked += usize::from(is_parked);
@@ -50,6 +51,7 @@ pub fn text(blocks: &[Block], job: &ProgramJob) -> Result<Written, WriteError> {
             writer.lines.word("M30");
         }
         writer.lines.end()?;
+        writer.lines.end_block();
         match k {
             0 => writer.frame(&format!("G17 T {tool}"))?,
             1 => writer.spindle()?,

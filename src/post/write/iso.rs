@@ -94,7 +94,15 @@ struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     fn blocks(&mut self) -> Result<(), WriteError> {
-        self.part.lowered.blocks.iter().try_for_each(|block| self.block(block))
+        let part = self.part;
+        let mut notes = remarks::Notes::new(part);
+        self.lines.begin_blocks();
+        for (k, block) in part.lowered.blocks.iter().enumerate() {
+            notes.write_before(k, &mut self.lines, &self.iso.comment)?;
+            self.block(block)?;
+            self.lines.end_block();
+        }
+        Ok(())
     }
 
     fn remarks(&mut self) -> Result<(), WriteError> {

@@ -32,11 +32,11 @@ const NUMBERING: Numbering = Numbering { prefix: "", first: 0, step: 1, max: u32
 
 /// The text of a whole program; see [`super::text`].
 pub fn text(first: &Part, later: &[Part]) -> Result<Written, WriteError> {
-    let (job, blocks) = (&first.operation.job, &first.lowered.blocks);
+    let job = &first.operation.job;
     let mut writer = Writer {
         job,
         part: first,
-        lines: Lines::new(job.dialect, Some(NUMBERING), blocks.len()),
+        lines: Lines::new(job.dialect, Some(NUMBERING), first.lowered.blocks.len()),
         at: [None; 3],
         is_off_grid: [false; 3],
         center: None,
@@ -45,10 +45,10 @@ pub fn text(first: &Part, later: &[Part]) -> Result<Written, WriteError> {
         tip_control_off: None,
     };
     writer.begin(&first.remarks)?;
-    blocks.iter().try_for_each(|block| writer.block(block))?;
+    writer.blocks()?;
     for part in later {
         writer.operation(part)?;
-        part.lowered.blocks.iter().try_for_each(|block| writer.block(block))?;
+        writer.blocks()?;
     }
     writer.end()
 }
@@ -78,6 +78,19 @@ enum Feed {
 }
 
 impl<'a> Writer<'a> {
+    /// The blocks of the operation, with the remarks between them.
+    fn blocks(&mut self) -> Result<(), WriteError> {
+        let part = self.part;
+        let mut notes = remarks::Notes::new(part);
+        self.lines.begin_blocks();
+        for (k, block) in part.lowered.blocks.iter().enumerate() {
+            notes.write_before(k, &mut self.lines, &COMMENT)?;
+            self.block(block)?;
+            self.lines.end_block();
+        }
+        Ok(())
+    }
+
     fn name(&self) -> Result<String, WriteError> {
         let units = match self.job.program.resolution.units {
             Units::Mm => "MM",

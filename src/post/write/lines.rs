@@ -10,6 +10,8 @@ use crate::words;
 pub struct Written {
     pub text: String,
     pub custom: Vec<Range<usize>>,
+    /// For each block of each operation the number of lines up to its end.
+    pub block_ends: Vec<Vec<u32>>,
 }
 
 /// A text under way, and the line that is being written.
@@ -22,6 +24,7 @@ pub struct Lines<'a> {
     n_lines: usize,
     /// Where a shop's own lines stand.
     custom: Vec<Range<usize>>,
+    block_ends: Vec<Vec<u32>>,
     line: String,
     /// Some number has more digits than the control reads.
     long_number: Option<WriteError>,
@@ -46,6 +49,7 @@ impl<'a> Lines<'a> {
             text: String::with_capacity(32 * (lines + 16)),
             n_lines: 0,
             custom: Vec::new(),
+            block_ends: Vec::new(),
             line: String::new(),
             long_number: None,
         }
@@ -131,7 +135,20 @@ impl<'a> Lines<'a> {
         Ok(())
     }
 
+    /// The blocks of an operation come next.
+    pub fn begin_blocks(&mut self) {
+        self.block_ends.push(Vec::new());
+    }
+
+    /// A block of the operation has ended.
+    pub fn end_block(&mut self) {
+        let n_lines = u32::try_from(self.n_lines).unwrap_or(u32::MAX);
+        if let Some(ends) = self.block_ends.last_mut() {
+            ends.push(n_lines);
+        }
+    }
+
     pub fn finish(self) -> Written {
-        Written { text: self.text, custom: self.custom }
+        Written { text: self.text, custom: self.custom, block_ends: self.block_ends }
     }
 }

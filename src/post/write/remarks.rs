@@ -1,10 +1,14 @@
-//! Remarks as comments of one line each.
+//! Remarks as comments, at the head of an operation and between its blocks.
+
+use std::iter::{Peekable, Zip};
+use std::slice::Iter;
 
 use super::lines::Lines;
-use crate::WriteError;
 use crate::dialect::{Comment, Dialect};
-use crate::header::Remark;
+use crate::header::{Remark, of_pass};
+use crate::sequence::Part;
 use crate::words;
+use crate::{PassNote, ProgramJob, WriteError};
 
 /// Most characters of a remark. A longer line would be hard to read on a control's screen.
 const MAX_REMARK_LENGTH: usize = 100;
@@ -37,4 +41,25 @@ pub fn write(
         lines.line(&format!("{open}{label}{separator}{text}{close}"))?;
     }
     Ok(())
+}
+
+/// The notes of a job that stand before passes, each with the index of the block before which it stands.
+pub struct Notes<'a> {
+    job: &'a ProgramJob<'a>,
+    left: Peekable<Zip<Iter<'a, usize>, Iter<'a, PassNote>>>,
+}
+
+impl<'a> Notes<'a> {
+    pub fn new(part: &'a Part<'a>) -> Self {
+        let job = &part.operation.job;
+        Self { job, left: part.lowered.notes_at.iter().zip(job.pass_notes).peekable() }
+    }
+
+    /// Writes the notes that stand before block `k`.
+    pub fn write_before(&mut self, k: usize, lines: &mut Lines, comment: &Comment) -> Result<(), WriteError> {
+        while let Some((_, note)) = self.left.next_if(|(at, _)| **at <= k) {
+            write(lines, self.job.dialect, comment, &of_pass(note, self.job))?;
+        }
+        Ok(())
+    }
 }

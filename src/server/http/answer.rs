@@ -6,6 +6,7 @@
 pub mod compression;
 pub mod encoded;
 pub mod events;
+mod model;
 mod page;
 pub mod program_stream;
 pub mod sending;
@@ -16,12 +17,15 @@ mod streamed;
 #[cfg(test)]
 mod tests;
 pub mod timing;
+mod written;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use axum::Extension;
 use axum::response::{IntoResponse, Response};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -29,19 +33,17 @@ use super::byte_limit::ByteLimit;
 use super::compute::{Compute, Failure, Size, Step};
 use super::decode::{IntoJob, SentJob};
 use super::dto::answer::{Answer, Head, NoMembers, PathMembers};
-use super::dto::axis_output::AxisSetup;
 use super::dto::check::MAX_MAGNITUDE_MM;
 use super::dto::meta::Meta;
 use super::dto::setup::Setup;
-use super::error::{ApiError, Code, FieldCode, FieldError};
+use super::error::{ApiError, Code};
 use super::messages::Warning;
-use super::pointer::Pointer;
 use super::request::body::JobBody;
 use super::request::negotiation::{Form, Offers, Wanted};
 use super::request::representation::Representation;
 use super::request::retry;
 use crate::config::Limits;
-use encoded::{Encoded, file_name};
+use encoded::Encoded;
 use events::Begun;
 use small_job::SmallJob;
 use stages::Stages;
@@ -52,8 +54,10 @@ use toolpathd_core::toolpath::cutting::{Caution, Cutting};
 use toolpathd_core::toolpath::measure::{Bounds, measure, measure_on};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_plot::Drawing;
+use toolpathd_plot::bars::BarChart;
 use toolpathd_plot::diagram::Diagram;
-use toolpathd_post::ProgramJob;
+use toolpathd_post::PassNote;
+use written::{gcode, program_for};
 
 /// The result of a computation, before it is encoded in one of the forms of answers.
 pub struct Outcome<R, P> {
@@ -80,6 +84,22 @@ pub trait Product {
     /// page.
     fn diagrams(&self) -> &[Diagram] {
         &[]
+    }
+
+    /// Charts of times, which a page shows below the picture.
+    fn charts(&self) -> &[BarChart] {
+        &[]
+    }
+
+    /// Remarks before passes, in the order of the passes, for the program.
+    fn pass_notes(&self) -> &[PassNote] {
+        &[]
+    }
+
+    /// How fast rapids are.
+    fn rapid_feed(&self) -> FeedRate {
+        let cutting = self.cut().and_then(|cut| cut.cutting.as_ref());
+        cutting.map_or(FeedRate::DEFAULT_RAPID, |cutting| cutting.rapid_feed)
     }
 
     /// The members of the answer; `written` is the text of the program, where the caller asked for the text.
@@ -291,10 +311,20 @@ fn represent<R: Serialize + ToSchema, P: Product>(
     outcome.warnings.extend(cautions(&outcome.product));
     let codes = warning_codes(&outcome.warnings);
     let job_order = retry::job_order(outcome.meta.as_ref());
-    let nc = if form.with_nc { Some(text_of(&outcome, budget)?) } else { None };
+    let program = program_for(&outcome, form, budget)?;
+    let model = form.wants_model().then(|| {
+        let lines = program.as_ref().map(|program| program.move_lines.as_slice());
+        model::file(&outcome, lines.unwrap_or_default())
+    });
+    let nc = program.filter(|_| form.with_nc || form.representation == Representation::Gcode);
+    let nc = nc.map(|program| program.text);
     let encoded = match form.representation {
-        Representation::Json | Representation::Events => Encoded::json(&envelope(outcome, nc, form)),
-        Representation::Gcode => program(&outcome, nc, form.media_type, budget),
+        Representation::Json | Representation::Events => {
+            let glb = model.map(|bytes| BASE64_STANDARD.encode(bytes));
+            Encoded::json(&Answer { glb, ..envelope(outcome, nc, form) })
+        }
+        Representation::Glb => Ok(Encoded::glb(model.unwrap_or_default())),
+        Representation::Gcode => gcode(&outcome, nc.unwrap_or_default(), form.media_type),
         Representation::Svg => {
             let picture = if !outcome.product.diagrams().is_empty() {
                 sheet::diagrams(&outcome)
@@ -307,6 +337,9 @@ fn represent<R: Serialize + ToSchema, P: Product>(
             let (title, mut svg) = (sheet::title(&outcome), sheet::picture(&outcome, form.view));
             if !outcome.product.diagrams().is_empty() {
                 svg += &sheet::diagrams(&outcome);
+            }
+            if !outcome.product.charts().is_empty() {
+                svg += &sheet::charts(&outcome);
             }
             let bare = Form { with_toolpath: Some(false), ..form.clone() };
             let figures = serde_json::to_value(envelope(outcome, nc, &bare))
@@ -321,49 +354,5 @@ fn represent<R: Serialize + ToSchema, P: Product>(
 fn envelope<R, P: Product>(outcome: Outcome<R, P>, nc: Option<String>, form: &Form) -> Answer<R, P::Members> {
     let Outcome { meta, warnings, report, product, drawing: _ } = outcome;
     let head = Head::new(meta, warnings);
-    Answer { head, report, members: product.members(nc, form) }
-}
-
-/// The NC program as a file.
-fn program<R, P: Product>(
-    outcome: &Outcome<R, P>,
-    nc: Option<String>,
-    media_type: &'static str,
-    budget: &Budget,
-) -> Result<Encoded, ApiError> {
-    let text = nc.map_or_else(|| text_of(outcome, budget), Ok)?;
-    let Setup { program, dialect, .. } = &outcome.product.cut().ok_or_else(no_toolpath)?.setup;
-    let file_name = file_name(program.name.as_deref(), program.number, dialect);
-    Ok(Encoded::gcode(text, media_type, &file_name))
-}
-
-/// The NC text of an outcome's toolpath, written here unless the computation has written it.
-fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<String, ApiError> {
-    let Cut { toolpath, cutting, setup, comments: _, nc } = outcome.product.cut().ok_or_else(no_toolpath)?;
-    if let Some(text) = nc {
-        return Ok(text.clone());
-    }
-    let Some(cutting) = cutting else {
-        let detail = "a program needs feeds: send `cutting` with `feed_mm_per_min`";
-        let at = Pointer::root().field("cutting");
-        return Err(ApiError::invalid(vec![FieldError::new(&at, FieldCode::FeedRequired, detail)]));
-    };
-    let Setup { tool, program, dialect, five_axes, called, body: _, remarks: _ } = setup;
-    let five_axes = five_axes.as_ref().map(AxisSetup::five_axes);
-    let (comments, warnings) = (&sheet::notes(outcome), &sheet::told_in_program(&outcome.warnings));
-    let job = ProgramJob {
-        program,
-        tool: tool.as_ref(),
-        cutting,
-        dialect,
-        comments,
-        warnings,
-        five_axes,
-        called: *called,
-    };
-    Ok(toolpathd_post::write(toolpath, &job, budget)?.text)
-}
-
-fn no_toolpath() -> ApiError {
-    ApiError::new(Code::InternalError, "there is no toolpath to write a program of")
+    Answer { head, report, members: product.members(nc, form), glb: None }
 }

@@ -20,6 +20,7 @@ use super::request::accept;
 use super::request::representation::JSON;
 use super::service::{health, metrics};
 use super::v1;
+pub use examples::{example, folder as example_folder};
 
 #[derive(OpenApi)]
 #[openapi(

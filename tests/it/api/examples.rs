@@ -165,6 +165,7 @@ async fn every_example_is_answered_in_every_form_of_its_endpoint() {
                 "gcode" => ("text/x-gcode", ""),
                 "svg" => ("image/svg+xml", "<svg"),
                 "html" => ("text/html", "<!DOCTYPE"),
+                "glb" => ("model/gltf-binary", "glTF"),
                 "events" => ("text/event-stream", "event: progress"),
                 other => panic!("the form {other} is not known to this test"),
             };
@@ -324,7 +325,8 @@ impl Example {
         Some(against)
     }
 
-    /// Says what lies in front of open edges: a part whose pocket goes on there, and stock only in the region.
+    /// Says what lies in front of open edges: a part whose pocket goes on there, and stock only in the
+    /// region.
     fn open_in_front(&self, against: &mut Value) {
         let boundary = match self.name.rsplit('/').next() {
             Some("boss") => json!([[-30, -30], [130, -30], [130, 110], [-30, 110]]),

@@ -14,7 +14,7 @@ async fn an_accept_header_without_a_match_is_406_with_the_offers() {
     assert_eq!(problem["offers"][0], "application/json");
     assert_eq!(problem["offers"][1], "text/x-gcode");
     let last: Vec<_> = problem["offers"].as_array().expect("offers").iter().skip(5).collect();
-    assert_eq!(last, ["image/svg+xml", "text/html", "text/event-stream"]);
+    assert_eq!(last, ["image/svg+xml", "text/html", "model/gltf-binary", "text/event-stream"]);
     assert_eq!(answer.header("vary"), "Accept, Accept-Encoding");
 }
 

@@ -173,7 +173,11 @@ impl Answer {
         let body = &bytes[end + 4..];
         let body = if header("transfer-encoding") == "chunked" { joined(body) } else { body.to_owned() };
         let status = head.split(' ').nth(1).and_then(|status| status.parse().ok()).expect("a status");
-        Self { status, content_type: header("content-type"), body: String::from_utf8(body).expect("UTF-8") }
+        Self {
+            status,
+            content_type: header("content-type"),
+            body: String::from_utf8_lossy(&body).into_owned(),
+        }
     }
 }
 

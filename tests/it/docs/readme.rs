@@ -16,13 +16,14 @@ const FORMS: &[(&str, &str)] = &[
     ("text/x-gcode", "NC text"),
     ("image/svg+xml", "SVG"),
     ("text/html", "HTML"),
+    ("model/gltf-binary", "glTF"),
     ("text/event-stream", "events"),
     ("text/plain", "text"),
     ("application/openmetrics-text", "text"),
 ];
 
 /// Endpoints that the README lists and the contract does not hold.
-const PAGES: &[&str] = &["GET /docs"];
+const PAGES: &[&str] = &["GET /docs", "GET /"];
 
 #[test]
 fn the_readme_has_at_most_a_thousand_words() {

@@ -74,6 +74,7 @@ export const planned: Body<"planPocket"> = {
     holder: [{ length_mm: 40, diameter_mm: 20, top_diameter_mm: 32 }],
   },
   machine: { max_rpm: 12_000 },
+  entry: { at: [40, 15], predrilled_diameter_mm: 10 },
 };
 
 // Several pockets, each level of both before the next level.

@@ -1,18 +1,20 @@
 //! Offsets of regions, and the areas that discs sweep.
 //!
 //! # Method
-//! 1. The usual way moves the outlines aside ([`offset`]) and keeps what is on the left of the chains.
-//! 2. Where chains do not close, or come too near to an outline, the offset is made of capsules: a capsule is
-//!    what a disc sweeps along one element. A region grows by the capsules of its boundary, and shrinks by
-//!    them. Capsules are closed loops whatever rounding does.
+//! 1. The usual way moves the outlines aside ([`offset`]) into chains. The offset is the area to the left of
+//!    these chains.
+//! 2. Rounding may leave a gap in a chain, or move a chain too near to an outline. Then the offset is made of
+//!    capsules. A capsule is the area that a disc sweeps along one element. To grow, a region takes in the
+//!    capsules of all elements of its boundary; to shrink, it loses them. A capsule is a closed loop even
+//!    after rounding.
 //!
 //! # Guarantees
-//! The usual way is exact to a few snaps. A region that shrinks by capsules shrinks by [`BIAS_MM`] more, so
-//! that snaps do not take it beyond the distance.
+//! The usual way is exact to a few snaps. A region that loses capsules loses [`BIAS_MM`] more than the
+//! distance, so that snaps leave no place nearer to the boundary than the distance.
 //!
 //! # Cost
-//! Capsules of neighbouring elements are joined first, in groups, so that little of them is left for the
-//! whole: O(n log n) for n elements that overlap only their neighbours.
+//! O(n log n) for n elements that overlap only their neighbours. The capsules of neighbouring elements are
+//! joined in groups first, so that few edges are left when the groups are joined.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -32,7 +34,8 @@ const BIAS_MM: f64 = 4e-6;
 /// Elements whose capsules are joined first, and groups that are joined to larger groups.
 const GROUP: usize = 16;
 
-/// How far the boundary of what is swept may be from closed, mm: the largest snap.
+/// The largest gap between two neighbouring elements in the boundary of a swept area, mm: the largest snap. A
+/// wider gap means that a part of the boundary is missing.
 const UNCLOSED_MM: f64 = 1.6e-5;
 
 /// Elements that are no longer are points, mm.

@@ -1,16 +1,17 @@
-//! The places of a disc's centre in a region, also where the region is exactly as wide as the disc.
+//! Where the centre of a disc may be if the disc stays inside a region, also in slots exactly as wide as the
+//! disc.
 //!
 //! # Method
-//! 1. The usual places are those at least the radius from the boundary.
-//! 2. In a slot that is exactly as wide as the disc, these places are a line, which has no area. So the
-//!    places at least the radius less a slack are computed too. What is far from the usual places is a strip
-//!    about such a line.
-//! 3. A strip is added to the usual places, unless it is the short end of a cusp.
+//! 1. The usual places are all places whose distance from the boundary is at least the radius.
+//! 2. In a slot exactly as wide as the disc, the usual places are a line. A line has no area, so a region
+//!    cannot hold it. Therefore the places with a distance of at least the radius less a slack are computed
+//!    too. The part of them that is far from all usual places is a strip along such a line.
+//! 3. Each strip is added to the usual places, unless it is only the short end of a cusp.
 //!
 //! # Guarantees
-//! Everywhere but on strips, and where they join the usual places, the distance from the boundary is the
-//! radius, less a few snaps. There it is the radius less the slack. A slot narrower than the disc by less
-//! than twice the slack and two snaps has a strip.
+//! * On strips, and where strips join the usual places, the distance from the boundary is at least the radius
+//!   less the slack. Everywhere else it is at least the radius less a few snaps.
+//! * A slot has a strip if it is narrower than the disc by less than twice the slack and two snaps.
 
 use super::{Region, RegionError};
 use crate::budget::Budget;

@@ -1,14 +1,15 @@
-//! The order of elements about a vertex, and the faces between the edges of an arrangement.
+//! Finds the faces into which the edges of an arrangement divide the plane.
 //!
 //! # Method
-//! 1. The edges that meet at a vertex are sorted by their directions. Edges that are tangent to each other
-//!    are compared as far from the vertex as the shorter of the two allows.
-//! 2. A face is followed along the edges on its boundary: at each vertex the next edge is the first one
-//!    clockwise from the edge that arrives.
+//! 1. The edges that meet at a vertex are sorted by the directions in which they leave the vertex. The
+//!    directions of two tangent edges are measured at a distance from the vertex: as far away as the shorter
+//!    of the two edges reaches.
+//! 2. The boundary of a face is followed from edge to edge. At each vertex, the boundary goes on along the
+//!    first edge clockwise from the edge on which it arrived.
 //!
 //! # Guarantees
-//! Every side of every edge belongs to exactly one face. So an area that is made of whole faces has a closed
-//! boundary, whatever rounding did to the edges.
+//! Each edge has two sides, and each side belongs to exactly one face. So an area that consists of whole
+//! faces has a closed boundary, even after rounding has moved the edges.
 //!
 //! # Cost
 //! O(n log n) for n edges, if few edges meet at each vertex.

@@ -169,7 +169,7 @@ pub(super) fn contours<'a>(
 }
 
 /// The boundary as loops about the corners of the area, or about the corners of the places outside it. At
-/// every vertex as many sides arrive as leave.
+/// every vertex, the number of sides that end there equals the number of sides that begin there.
 fn loops(
     n_vertices: usize,
     boundary: &[Side],

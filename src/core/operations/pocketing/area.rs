@@ -1,26 +1,29 @@
-//! The plan of one area: the routes of all patterns for each shape, the choice on each level, and the passes
-//! that finish walls.
+//! The plan of one area: the routes of all patterns for each shape, the route of each level, and the
+//! passes that finish walls.
 
 use std::sync::Arc;
 
 use nalgebra::Point2;
 
 use super::PocketError;
-use super::candidate::{Route, routes};
+use super::candidate::routes;
+use super::choice::{Chosen, Found, choose};
 use super::conditions::Conditions;
+use super::entry_place;
 use super::finish::{self, Finished};
-use super::job::{Job, Only, Pattern};
+use super::job::{EntryLimits, Job, Only, Pattern};
 use super::level::{Heights, Level, Shape, Stage, levels};
-use super::report::{Candidate, LevelOutlines, LevelReport};
+use super::report::{LevelOutlines, LevelReport};
 use super::router::Run;
 use crate::budget::{Budget, Stopped};
 use crate::toolpath::cutting::Cutting;
-use crate::toolpath::path::PathError;
 
 /// A planned area.
 pub struct Area {
     /// The indices of the regions for which the area stands; none where the job has one area only.
     pub regions: Option<Vec<usize>>,
+    /// The limits of entries, with the place of the job if it lies in the area.
+    pub entry: EntryLimits,
     pub heights: Heights,
     pub cutting: Cutting,
     pub shapes: Vec<Shape>,
@@ -28,8 +31,14 @@ pub struct Area {
     /// The report of each level, and its outlines.
     pub reports: Vec<(LevelReport, LevelOutlines)>,
     pub finished: Vec<Finished>,
-    /// What is cut on each level; none where the tool fits nowhere.
-    cuts: Vec<Option<(Arc<Route>, Conditions)>>,
+    /// What is cut on each level.
+    cuts: Vec<Cut>,
+}
+
+/// What is cut on a level, and how.
+struct Cut {
+    chosen: Chosen,
+    conditions: Conditions,
 }
 
 /// A part of the work in an area that is done without a break.
@@ -42,12 +51,19 @@ pub enum Task {
 }
 
 impl Area {
-    /// Plans the area of a job, which stands for `regions` if the job is a part of a larger one.
+    /// Plans the area of a job, which stands for `regions` if the job is a part of a larger one. Then the
+    /// place of the entry may lie in another area.
     ///
     /// # Errors
     /// One of [`PocketError`].
     pub fn new(job: &Job, regions: Option<Vec<usize>>, budget: &Budget) -> Result<Self, PocketError> {
         let (heights, shapes, levels) = levels(job, budget)?;
+        let elsewhere = match entry_place::check(&job.entry, &shapes) {
+            Err(error) if regions.is_none() => return Err(error),
+            Err(_) => Some(Job { entry: EntryLimits { at: None, ..job.entry }, ..job.clone() }),
+            Ok(()) => None,
+        };
+        let job = elsewhere.as_ref().unwrap_or(job);
         let cutting = job.cutting.above(heights.highest_mm)?;
         let conditions = conditions(job, &heights, &cutting, &levels, shapes.len());
         let found = routes_of_shapes(job, &shapes, &levels, &conditions, budget)?;
@@ -57,13 +73,14 @@ impl Area {
             let (candidates, chosen) = choose(job, shape, &found[level.shape], &conditions, budget)?;
             let route = chosen.as_ref().map(|(pattern, route)| (*pattern, route.as_ref()));
             reports.push(LevelReport::new(shape, level, &conditions, route, candidates, budget)?);
-            cuts.push(chosen.map(|(_, route)| (route, conditions)));
+            cuts.push(Cut { chosen, conditions });
         }
         let finished = match job.finishing_walls() {
             Some(finish) => finish::walls(job, finish, &shapes, &levels, &heights, &cutting, budget)?,
             None => Vec::new(),
         };
-        Ok(Self { regions, heights, cutting, shapes, levels, reports, finished, cuts })
+        let entry = job.entry;
+        Ok(Self { regions, entry, heights, cutting, shapes, levels, reports, finished, cuts })
     }
 
     /// The levels from the top down.
@@ -84,12 +101,28 @@ impl Area {
         }
     }
 
+    /// The height to which a task goes, mm.
+    pub fn z_mm(&self, task: Task) -> f64 {
+        match task {
+            Task::Level(k) => self.cuts[k].conditions.z_mm,
+            Task::Finish(k) => self.finished[k].z_mm,
+        }
+    }
+
+    /// The pattern of a task; none where walls are finished or the tool fits nowhere.
+    pub fn pattern(&self, task: Task) -> Option<Pattern> {
+        match task {
+            Task::Level(k) => self.cuts[k].chosen.as_ref().map(|(pattern, _)| *pattern),
+            Task::Finish(_) => None,
+        }
+    }
+
     /// The runs of a task in their order, with their conditions.
     pub fn parts(&self, task: Task) -> Vec<(&[Run], &Conditions)> {
         match task {
             Task::Level(k) => {
-                let cut = self.cuts[k].as_ref();
-                cut.map(|(route, conditions)| (route.runs.as_slice(), conditions)).into_iter().collect()
+                let Cut { chosen, conditions } = &self.cuts[k];
+                chosen.iter().map(|(_, route)| (route.runs.as_slice(), conditions)).collect()
             }
             Task::Finish(k) => {
                 let passes = &self.finished[k].passes;
@@ -125,12 +158,6 @@ fn conditions(
     levels.iter().map(of_level).collect()
 }
 
-/// The routes of one pattern, or why it has none.
-type Found = (Pattern, Result<Vec<Arc<Route>>, PocketError>);
-
-/// The pattern of a level with its route; none where the tool fits nowhere.
-type Chosen = Option<(Pattern, Arc<Route>)>;
-
 /// For each shape the routes of all patterns; none where the tool fits nowhere.
 fn routes_of_shapes(
     job: &Job,
@@ -155,64 +182,4 @@ fn routes_of_shapes(
     };
     let mut all = budget.in_order(shapes.len() * patterns.len(), find)?.into_iter();
     Ok(shapes.iter().map(|_| all.by_ref().take(patterns.len()).collect()).collect())
-}
-
-/// The candidates of a level, and the pattern with the least figure among the valid ones. Where the cutter
-/// can come in over open edges, only the routes with the fewest entries into material are compared.
-fn choose(
-    job: &Job,
-    shape: &Shape,
-    found: &[Found],
-    conditions: &Conditions,
-    budget: &Budget,
-) -> Result<(Vec<Candidate>, Chosen), PocketError> {
-    let mut candidates = Vec::new();
-    let mut best: Option<((usize, f64), Pattern, &Arc<Route>)> = None;
-    let n_entries = |route: &Route| if shape.is_open() { route.n_entries() } else { 0 };
-    let mut failure = None;
-    for (pattern, routes) in found {
-        let routes = match routes {
-            Ok(routes) => routes,
-            Err(error) => {
-                candidates.push(Candidate::failed(*pattern, error.to_string()));
-                failure.get_or_insert_with(|| error.clone());
-                continue;
-            }
-        };
-        let mut fastest: Option<((usize, f64), Candidate, &Arc<Route>)> = None;
-        let mut too_long = None;
-        for route in routes {
-            budget.check()?;
-            let candidate = match Candidate::new(*pattern, route, conditions, job.move_limit) {
-                Err(error @ PocketError::Path(PathError::TooManyMoves { .. })) => {
-                    too_long = Some(error);
-                    continue;
-                }
-                candidate => candidate?,
-            };
-            let figure = (n_entries(route), candidate.figure(job.choose_by));
-            let is_better = |(least, other, _): &((usize, f64), Candidate, &Arc<Route>)| {
-                (!candidate.valid, figure) < (!other.valid, *least)
-            };
-            if fastest.as_ref().is_none_or(is_better) {
-                fastest = Some((figure, candidate, route));
-            }
-        }
-        if let (None, Some(error)) = (&fastest, too_long) {
-            candidates.push(Candidate::failed(*pattern, error.to_string()));
-            failure.get_or_insert(error);
-        }
-        let Some((figure, candidate, route)) = fastest else { continue };
-        if candidate.valid && best.is_none_or(|(least, ..)| figure < least) {
-            best = Some((figure, *pattern, route));
-        }
-        candidates.push(candidate);
-    }
-    if let Some((_, pattern, route)) = best {
-        return Ok((candidates, Some((pattern, Arc::clone(route)))));
-    }
-    let because = candidates.iter().find_map(|candidate| candidate.invalid_because.clone());
-    let invalid = because.map(|because| PocketError::NoneValid { because });
-    // Where the tool fits nowhere there are no routes at all.
-    failure.or(invalid).map_or(Ok((candidates, None)), Err)
 }

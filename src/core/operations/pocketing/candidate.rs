@@ -119,11 +119,12 @@ fn bounded(shape: &Shape, conditions: &Conditions, budget: &Budget) -> Result<Ve
     }
     let emptied: Vec<Vec<Segment>> =
         emptied.iter().map(|path| path.iter().map(Segment::mirrored).collect()).collect();
-    let runs: Vec<Run> = cut(&room.mirrored(), &emptied, &conditions.climbing())?;
+    let runs: Vec<Run> = cut(&room.mirrored(), &emptied, &conditions.mirrored())?;
     Ok(runs.iter().map(Run::mirrored).collect())
 }
 
-/// Rows that end on the edge of an area, as many as the second region needs, and a pass along the walls.
+/// Runs along rows, and then along walls and islands. The rows end on the edge of `area`. They lie so close
+/// that no place of `needed` is farther than half a stepover beside a row.
 fn rows<'a>(
     room: &'a Room,
     [area, needed]: [&Region; 2],

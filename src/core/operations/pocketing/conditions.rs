@@ -1,5 +1,7 @@
 //! The cutting conditions of one level, with what follows from them.
 
+use nalgebra::Point2;
+
 use super::job::{EntryLimits, Job, Lead, Load, Milling};
 use crate::machining::engagement::straight_angle;
 use crate::toolpath::cutting::Cutting;
@@ -94,10 +96,15 @@ impl Conditions {
         }
     }
 
-    /// The conditions of climb milling.
+    /// The conditions with x negated: conventional milling of a region is climb milling of its mirror image.
     #[must_use]
-    pub fn climbing(&self) -> Self {
-        Self { milling: Milling::Climb, ..self.clone() }
+    pub fn mirrored(&self) -> Self {
+        let milling = match self.milling {
+            Milling::Climb => Milling::Conventional,
+            Milling::Conventional => Milling::Climb,
+        };
+        let at = self.entry.at.map(|at| Point2::new(-at.x, at.y));
+        Self { milling, entry: EntryLimits { at, ..self.entry }, ..self.clone() }
     }
 
     /// Seconds to lift the tool, go `distance_mm` and come down where the level is cleared.

@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::PocketError;
 use crate::budget::Budget;
-use crate::geometry::region::{Outline, OutlineError, Region, RegionError};
+use crate::geometry::region::{Containment, Outline, OutlineError, Region, RegionError};
 use crate::geometry::segment::Segment;
 
 /// How near the deepest place is found, as a part of the cutter's radius.
@@ -59,12 +59,14 @@ pub fn largest_disc(
 }
 
 /// The faces of a region of centres whose outer outline is at least this long, mm: in shorter ones the cutter
-/// has no way to go. All of them, if none is.
-pub fn with_room(centers: Region, length_mm: f64) -> Region {
+/// has no way to go. The face with the place `kept` stays too. All of them, if none is.
+pub fn with_room(centers: Region, length_mm: f64, kept: Option<Point2<f64>>) -> Region {
     let length = |face: &Region| -> f64 {
         face.faces().iter().flat_map(|face| face.outer.elements()).map(Segment::length).sum()
     };
-    let roomy: Vec<Region> = centers.parts().into_iter().filter(|part| length(part) >= length_mm).collect();
+    let is_kept = |part: &Region| kept.is_some_and(|kept| part.place(kept, 0.0) != Containment::Outside);
+    let is_roomy = |part: &Region| length(part) >= length_mm || is_kept(part);
+    let roomy: Vec<Region> = centers.parts().into_iter().filter(is_roomy).collect();
     if roomy.is_empty() || roomy.len() == centers.faces().len() { centers } else { Region::of_parts(&roomy) }
 }
 

@@ -7,10 +7,11 @@ use std::vec::IntoIter;
 use nalgebra::{Point2, Point3};
 
 use super::area::{Area, Task};
+use super::entry_place::Entries;
 use super::job::Job;
 use super::level::Shape;
 use super::report::{FinishReport, LevelOutlines, LevelReport, Report};
-use super::{Plan, PocketError, path, warnings};
+use super::{LevelStart, Plan, PocketError, path, warnings};
 use crate::budget::Budget;
 use crate::toolpath::Toolpath;
 use crate::toolpath::path::Builder;
@@ -50,7 +51,7 @@ pub fn join(job: &Job, mut areas: Vec<Area>, visits: &[Visit], budget: &Budget) 
     let begin = |at: Point2<f64>| {
         Toolpath::builder(Point3::new(at.x, at.y, cutting.clearance_z_mm)).with_limit(job.move_limit)
     };
-    let Some(mut builder) = append(&areas, visits, begin, budget)? else {
+    let Some((mut builder, starts)) = append(&areas, visits, begin, budget)? else {
         return Err(PocketError::NothingToCut);
     };
     builder.rapid_to_height(cutting.clearance_z_mm)?;
@@ -59,28 +60,49 @@ pub fn join(job: &Job, mut areas: Vec<Area>, visits: &[Visit], budget: &Budget) 
     report.finish_with(finishes(&areas, visits), job);
     let shapes = shapes(&areas, visits);
     report.finish(&toolpath, &shapes, &heights, job, &cutting)?;
-    let warnings = warnings(job, &report);
-    Ok(Plan { toolpath, report, outlines, cutting, highest_mm: heights.highest_mm, warnings })
+    let mut warnings = warnings(job, &report);
+    warnings.extend(entries(&areas, visits).warning());
+    Ok(Plan { toolpath, report, outlines, starts, cutting, highest_mm: heights.highest_mm, warnings })
 }
 
-/// Appends the runs of all visits to the toolpath that begins over the first run. None without any run.
+/// Appends the runs of all visits to the toolpath that begins over the first run, and tells where the
+/// passes of each visit begin. None without any run.
 fn append(
     areas: &[Area],
     visits: &[Visit],
     begin: impl Fn(Point2<f64>) -> Builder,
     budget: &Budget,
-) -> Result<Option<Builder>, PocketError> {
+) -> Result<Option<(Builder, Vec<LevelStart>)>, PocketError> {
     let numbers = numbers(areas, visits);
     let mut builder: Option<Builder> = None;
+    let (mut starts, mut n_passes) = (Vec::new(), 0);
     for Visit { area, task } in visits {
         budget.check()?;
-        let level = numbers[*area][areas[*area].level_of(*task)];
-        for (runs, conditions) in areas[*area].parts(*task) {
+        let (area, level) = (&areas[*area], numbers[*area][areas[*area].level_of(*task)]);
+        let pass = n_passes;
+        for (runs, conditions) in area.parts(*task) {
             let Some(run) = runs.first() else { continue };
             path::append(builder.get_or_insert_with(|| begin(run.start)), level, runs, conditions)?;
+            n_passes += runs.len();
+        }
+        if n_passes > pass {
+            let (z_mm, pattern) = (area.z_mm(*task), area.pattern(*task));
+            starts.push(LevelStart { pass, level: level as usize, z_mm, pattern });
         }
     }
-    Ok(builder)
+    Ok(builder.map(|builder| (builder, starts)))
+}
+
+/// Where the cutter comes down on all levels.
+fn entries(areas: &[Area], visits: &[Visit]) -> Entries {
+    let mut entries = Entries::default();
+    for Visit { area, task } in visits.iter().filter(|visit| matches!(visit.task, Task::Level(_))) {
+        let area = &areas[*area];
+        for (runs, conditions) in area.parts(*task) {
+            entries.add(&area.entry, runs, conditions.z_mm);
+        }
+    }
+    entries
 }
 
 /// For each level of each area its index in the report.

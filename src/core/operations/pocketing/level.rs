@@ -324,10 +324,10 @@ impl Shape {
         let radius_mm = job.tool.radius_mm;
         let allowance_mm = job.allowance_mm;
         let centers = pocket.centers_of_disc(radius_mm + deviation_mm + allowance_mm, WIDER_MM, budget)?;
-        // Where no ramp has room, the cutter cannot enter without a plunge.
-        let needed_mm =
-            if job.entry.plunge || job.entry.is_predrilled { 0.0 } else { SHORTEST_RAMP * radius_mm };
-        let centers = with_room(centers, needed_mm);
+        // Where no ramp has room, the cutter cannot enter without a plunge or a hole.
+        let needed_mm = if job.entry.plunge { 0.0 } else { SHORTEST_RAMP * radius_mm };
+        let drilled = job.entry.at.filter(|_| job.entry.is_predrilled);
+        let centers = with_room(centers, needed_mm, drilled);
         let mut reach = centers.offset_outward(radius_mm, budget)?;
         let mut emptied = Vec::new();
         if let Some(opened) = &opened {

@@ -28,7 +28,7 @@ use super::area::{Area, Task};
 use super::cleared::Cleared;
 use super::job::{Emptied, Job, LevelOrder, Outlines, Regions, Sequence};
 use super::join::{Visit, join, whole};
-use super::{Plan, PocketError};
+use super::{Plan, PocketError, entry_place};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::region;
 use crate::geometry::segment::Segment;
@@ -52,6 +52,7 @@ pub fn plan(job: &Job, regions: &Regions, budget: &Budget) -> Result<Plan, Pocke
         Area::new(&job, Some(of.clone()), budget).map_err(|error| error.of_regions(of))
     };
     let areas = budget.in_order(merged.len(), area)?;
+    entry_place::check(&job.entry, areas.iter().flat_map(|area| &area.shapes))?;
     let visits = visits(&areas, regions, budget)?;
     join(job, areas, &visits, budget)
 }

@@ -24,7 +24,7 @@ pub struct Rings {
     outermost: Vec<usize>,
 }
 
-/// A face of the centres' region, or of what is a stepover or more inside one.
+/// A face of the centres' region, or a face of the places at least a stepover inside the ring before.
 struct Ring {
     face: Region,
     /// Open parts between this ring and the next that cover what neither of them does.

@@ -14,7 +14,7 @@ use super::compression::{self, MIN_CODED_BYTES, REPR_DIGEST};
 use crate::http::byte_limit::{ByteLimit, HeldBytes};
 use crate::http::error::{ApiError, Code};
 use crate::http::request::coding::GZIP;
-use crate::http::request::representation::{GCODE, JSON};
+use crate::http::request::representation::{GCODE, GLB, JSON};
 use crate::http::request::retry::JOB_ORDER_ID;
 use toolpathd_post::Dialect;
 
@@ -58,6 +58,11 @@ impl Encoded {
         let disposition = HeaderValue::from_str(&format!("attachment; filename=\"{file_name}\""));
         let content_type = content_type.unwrap_or(HeaderValue::from_static(GCODE[0]));
         Self { disposition: disposition.ok(), ..Self::plain(content_type, text.into()) }
+    }
+
+    /// A binary glTF file.
+    pub fn glb(bytes: Vec<u8>) -> Self {
+        Self::plain(HeaderValue::from_static(GLB), bytes.into())
     }
 
     /// Bytes that are an answer already.

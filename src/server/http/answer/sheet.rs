@@ -11,6 +11,7 @@ use toolpathd_core::toolpath::motion_time::motion_time;
 use toolpathd_core::toolpath::program::{Program, Units};
 use toolpathd_core::toolpath::tool::{Shape, Tool};
 use toolpathd_plot::Scene;
+use toolpathd_plot::bars::{self, BarScene};
 use toolpathd_plot::diagram::{self, DiagramScene};
 use toolpathd_post::clock;
 
@@ -39,6 +40,16 @@ pub fn diagrams<R, P: Product>(outcome: &Outcome<R, P>) -> String {
         diagrams: outcome.product.diagrams(),
         before: "given path at the feed, no ramps",
         after: "smooth path",
+    })
+}
+
+/// The charts of the product as SVG sheets, one after the other.
+pub fn charts<R, P: Product>(outcome: &Outcome<R, P>) -> String {
+    bars::svg(&BarScene {
+        title: &title(outcome),
+        notes: &lines(outcome),
+        charts: outcome.product.charts(),
+        parts: ["cutting", "rapids, and feed in the air"],
     })
 }
 

@@ -70,6 +70,7 @@ async fn shown<P: Product>(
         media_type,
         with_toolpath,
         with_nc: false,
+        with_glb: false,
         view: Default::default(),
         with_gzip: false,
         request_id,

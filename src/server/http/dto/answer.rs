@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 use utoipa::openapi::RefOr;
-use utoipa::openapi::schema::{ObjectBuilder, RefBuilder, Schema};
+use utoipa::openapi::schema::{ObjectBuilder, RefBuilder, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::meta::{Meta, MetaTexts};
@@ -22,6 +22,9 @@ pub struct Answer<R, M = PathMembers> {
     pub report: R,
     #[serde(flatten)]
     pub members: M,
+    /// The file of the form `glb`, in base64.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub glb: Option<String>,
 }
 
 /// What every answer holds.
@@ -67,10 +70,16 @@ impl<R: ToSchema, M: ToSchema> PartialSchema for Answer<R, M> {
         let report = RefBuilder::new()
             .ref_location_from_schema_name(R::name())
             .description(Some("What the operation found and proved."));
+        let glb = ObjectBuilder::new()
+            .schema_type(Type::String)
+            .content_encoding("base64")
+            .content_media_type("model/gltf-binary")
+            .description(Some("The binary glTF file, in base64. Present with `?glb=true`."));
         let answer = ObjectBuilder::new()
             .description(Some("The answer of a computation."))
             .property("report", report.build())
             .required("report")
+            .property("glb", glb)
             .build();
         joined([answer.into(), Head::schema(), M::schema()])
     }

@@ -1,6 +1,7 @@
 //! The request to plan a pocket, and its conversion to a job.
 
 mod cleared;
+mod entry;
 mod finish;
 mod regions;
 mod relief;
@@ -25,6 +26,7 @@ use crate::http::error::{ApiError, FieldCode};
 use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 pub use cleared::Cleared;
+use entry::PocketEntry;
 use finish::{PocketFinishing, PocketLead, SentFinish};
 use regions::{RegionList, SentRegions};
 use relief::{Heights, IslandsBy, SentRelief};
@@ -152,60 +154,8 @@ schema_of!(ClearedList of Cleared, "Emptied places.", {
     array_of(reference::<Cleared>(), 0, MOST_CLEARED)
 });
 
-/// How the cutter comes down into the material: on the largest helix that fits in the connected part, else on
-/// a ramp, else straight down if that is allowed. A part in which none of these has room stays uncut.
-#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PocketEntry {
-    /// Largest diameter of the circle that the cutter's centre follows on a helix, in mm; at most the
-    /// cutter's diameter. Default: 0.9 of the cutter's diameter.
-    #[schema(minimum = 0.001, maximum = 1_000_000)]
-    max_diameter_mm: Option<f64>,
-    /// Smallest diameter of this circle, in mm. Default: a quarter of the cutter's diameter, or
-    /// `max_diameter_mm` where that is less.
-    #[schema(minimum = 0.001, maximum = 1_000_000)]
-    min_diameter_mm: Option<f64>,
-    /// Steepest angle of helices and ramps, in degrees.
-    #[schema(minimum = 0.1, maximum = 89, default = 5)]
-    ramp_angle_deg: Option<f64>,
-    /// Whether the cutter may go straight down where neither a helix nor a ramp fits.
-    #[serde(default)]
-    #[schema(default = false)]
-    plunge: bool,
-}
-
 /// The most emptied places.
 const MOST_CLEARED: usize = 1000;
-
-/// Legal angles of ramps, degrees.
-const RAMP: Range = Range { min: 0.1, max: 89.0 };
-
-impl PocketEntry {
-    fn convert(
-        entry: Option<Self>,
-        at: &Pointer,
-        diameter_mm: f64,
-        violations: &mut Violations,
-    ) -> core::EntryLimits {
-        let usual = core::EntryLimits::of(diameter_mm);
-        let none = Self { max_diameter_mm: None, min_diameter_mm: None, ramp_angle_deg: None, plunge: false };
-        let Self { max_diameter_mm, min_diameter_mm, ramp_angle_deg, plunge } = entry.unwrap_or(none);
-        let range = Range { max: diameter_mm, ..Range::POSITIVE };
-        violations.optional(&at.field("max_diameter_mm"), max_diameter_mm, range, "mm");
-        let max_diameter_mm =
-            max_diameter_mm.unwrap_or(usual.max_diameter_mm.max(min_diameter_mm.unwrap_or(0.0)));
-        let range = Range { max: max_diameter_mm, ..Range::POSITIVE };
-        violations.optional(&at.field("min_diameter_mm"), min_diameter_mm, range, "mm");
-        violations.optional(&at.field("ramp_angle_deg"), ramp_angle_deg, RAMP, "degrees");
-        core::EntryLimits {
-            max_diameter_mm,
-            min_diameter_mm: min_diameter_mm.unwrap_or(usual.min_diameter_mm.min(max_diameter_mm)),
-            ramp_angle: ramp_angle_deg.map_or(usual.ramp_angle, f64::to_radians),
-            plunge,
-            ..usual
-        }
-    }
-}
 
 impl IntoJob for PocketRequest {
     type Job = JobWithSetup<core::Job>;
@@ -303,6 +253,10 @@ impl IntoJob for PocketRequest {
         let patterns =
             patterns.map(|patterns| checked_patterns(&root.field("patterns"), patterns, &mut violations));
         let entry = PocketEntry::convert(entry, &root.field("entry"), tool.diameter_mm(), &mut violations);
+        if entry.at.is_some() && finish.only == Some(Only::Finishing) && finish.finish.floor.is_none() {
+            let detail = "only walls are finished, and the cutter comes down beside them: leave `at` out";
+            violations.add(&root.field("entry").field("at"), FieldCode::Conflict, detail);
+        }
         let sent =
             SentSetup { tool: Some(checked_tool), body: tool.body(), cutting: Some(cutting), program, meta };
         let (mut setup, cutting, meta) = sent.convert(&mut violations);

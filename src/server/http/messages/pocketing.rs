@@ -21,6 +21,12 @@ impl From<&pocketing::Warning> for Warning {
                     rounded_up(gouge_mm)
                 ),
             ),
+            Of::EntryElsewhere { count, of, z_mm } => {
+                let detail = format!(
+                    "on {count} of {of} levels, first at Z {z_mm:.3} mm, the cutter does not come down at `entry.at`: the place is outside there, has no room for an entry, or needs none because the material is gone"
+                );
+                return Self::new(WarningCode::EntryElsewhere, detail).about(&member("/entry/at"));
+            }
             Of::NarrowForClearance { .. } => (WarningCode::NarrowForClearance, warning.to_string()),
             Of::LoadNotBounded => (
                 WarningCode::LoadNotBounded,
@@ -80,6 +86,18 @@ impl From<PocketError> for ApiError {
                 Self::new(Code::NoEntry, detail)
                     .blaming(&member("/entry/plunge"), FieldCode::Conflict)
                     .at(in_plane(at))
+            }
+            PocketError::EntryOutside { at, by_mm } => {
+                let detail = format!(
+                    "`entry.at` is {by_mm:.3} mm outside of where the cutter's centre may come down; walls and islands need the cutter's radius, `allowance_mm` and `clearance_side_mm`"
+                );
+                illegal(&member("/entry/at"), detail).at(in_plane(at))
+            }
+            PocketError::EntryTooNarrow { at, room_mm, least_mm } => {
+                let detail = format!(
+                    "at `entry.at` a helix has room for {room_mm:.3} mm and needs {least_mm} mm, and `entry.plunge` is `false`; move the place, allow the plunge, or drill a hole"
+                );
+                illegal(&member("/entry/at"), detail).at(in_plane(at))
             }
             PocketError::TooMuchWork { .. } => too_large("/stepover_mm", fact),
             PocketError::NoneValid { .. } => Self::new(Code::NoValidPattern, fact),

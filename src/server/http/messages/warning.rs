@@ -67,6 +67,8 @@ pub enum WarningCode {
     StepoverNarrowed,
     /// The cutter comes nearer to walls beside its cuts than asked for, where there is no room.
     NarrowForClearance,
+    /// On some levels the cutter does not come down at `entry.at`.
+    EntryElsewhere,
     /// `choose_by: paper_time` does not bound the load of the cutter.
     LoadNotBounded,
     /// Rounding to the program's decimals may leave the band.

@@ -5,7 +5,7 @@ use axum::http::StatusCode;
 use serde_json::{Map, Value, json};
 
 use crate::http::error::PROBLEM_JSON;
-use crate::http::request::representation::{EVENTS, JSON, Representation};
+use crate::http::request::representation::{EVENTS, GLB, JSON, Representation};
 
 const EVENTS_DESCRIPTION: &str = "Events `progress` while the computation runs, with `Progress` as data: one event at the \
     beginning of every stage, and at most ten events a second within a stage. The last event is `result`, with the JSON answer on \
@@ -122,7 +122,9 @@ fn add_forms(operation: &mut Value) {
     let answer = &mut operation["responses"]["200"];
     let forms = names.iter().filter_map(|name| Representation::named(name.as_str()?));
     for media_type in forms.flat_map(Representation::media_types).filter(|media_type| **media_type != JSON) {
-        answer["content"][media_type] = json!({ "schema": { "type": "string" } });
+        // A file of bytes has no schema in JSON.
+        let schema = if *media_type == GLB { json!({}) } else { json!({ "schema": { "type": "string" } }) };
+        answer["content"][media_type] = schema;
     }
     answer["content"][EVENTS] = json!({ "schema": { "type": "string", "description": EVENTS_DESCRIPTION } });
     answer["headers"]["repr-digest"] = header("ReprDigest");

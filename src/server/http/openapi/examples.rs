@@ -87,6 +87,17 @@ pub fn add(document: &mut Value) {
     document["components"]["schemas"]["Problem"]["examples"] = json!([parsed(PROBLEM)]);
 }
 
+/// The body of an example by its folder and its name.
+pub fn example(folder: &str, name: &str) -> Option<&'static str> {
+    let found = REQUESTS.iter().find(|(own, called, _)| *own == folder && *called == name);
+    found.map(|(_, _, text)| *text)
+}
+
+/// The folder of the examples of a path.
+pub fn folder(path: &str) -> String {
+    path.trim_start_matches("/v1/").replace('/', "-")
+}
+
 fn path(folder: &str) -> String {
     let (noun, verb) = folder.rsplit_once('-').unwrap_or((folder, ""));
     format!("/v1/{noun}/{verb}")

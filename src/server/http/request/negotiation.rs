@@ -19,7 +19,7 @@ pub trait Offers {
     const OFFERS: &'static [Representation];
 
     /// The names of the shared parameters that these endpoints read.
-    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "nc", "view"];
+    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "nc", "glb", "view"];
 
     /// Whether the JSON answer may hold a toolpath.
     const HAS_TOOLPATH: bool = has(Self::OFFERS, Representation::Gcode);
@@ -51,6 +51,7 @@ impl Offers for Toolpaths {
         Representation::Gcode,
         Representation::Svg,
         Representation::Html,
+        Representation::Glb,
         Representation::Events,
     ];
 }
@@ -66,6 +67,7 @@ impl Offers for Programs {
         Representation::Json,
         Representation::Svg,
         Representation::Html,
+        Representation::Glb,
         Representation::Events,
     ];
 }
@@ -76,8 +78,13 @@ pub enum Models {}
 impl Offers for Models {
     type Query = NoQuery;
 
-    const OFFERS: &'static [Representation] =
-        &[Representation::Json, Representation::Svg, Representation::Html, Representation::Events];
+    const OFFERS: &'static [Representation] = &[
+        Representation::Json,
+        Representation::Svg,
+        Representation::Html,
+        Representation::Glb,
+        Representation::Events,
+    ];
 }
 
 /// How a picture shows the part.
@@ -113,10 +120,19 @@ pub struct Form {
     pub with_toolpath: Option<bool>,
     /// Whether the JSON answer holds the program's text too.
     pub with_nc: bool,
+    /// Whether the JSON answer holds the binary glTF file too.
+    pub with_glb: bool,
     pub view: PictureView,
     /// Whether the caller takes gzip.
     pub with_gzip: bool,
     pub request_id: RequestId,
+}
+
+impl Form {
+    /// Whether the answer is, or holds, the binary glTF file.
+    pub fn wants_model(&self) -> bool {
+        self.with_glb || self.representation == Representation::Glb
+    }
 }
 
 /// The form in which the caller wants the answer of an endpoint that offers `O`, and the endpoint's own
@@ -137,6 +153,7 @@ impl<O: Offers, S: Sync> FromRequestParts<S> for Wanted<O> {
         let format = sent.text("format").and_then(|name| name.map(named).transpose()).map_err(invalid)?;
         let with_toolpath = sent.flag("toolpath").map_err(invalid)?;
         let with_nc = sent.flag("nc").map_err(invalid)?.unwrap_or(false);
+        let with_glb = sent.flag("glb").map_err(invalid)?.unwrap_or(false);
         let view =
             sent.text("view").and_then(|name| name.map(PictureView::named).transpose()).map_err(invalid)?;
         let query = O::Query::read(&sent).map_err(invalid)?;
@@ -151,6 +168,7 @@ impl<O: Offers, S: Sync> FromRequestParts<S> for Wanted<O> {
             media_type,
             with_toolpath,
             with_nc,
+            with_glb,
             view: view.unwrap_or_default(),
             with_gzip,
             request_id,
@@ -201,6 +219,10 @@ impl<O: Offers> IntoParams for Wanted<O> {
             let nc = "Whether the JSON answer, or the event `result`, holds the text of the NC program in `nc`. Default: `false`; \
                       `/v1/programs/write` always answers `nc`.";
             parameters.push(parameter("nc", nc, yes_or_no()));
+        }
+        if O::PARAMETERS.contains(&"glb") {
+            let glb = "Whether the JSON answer, or the event `result`, holds the file of `?format=glb` in `glb`, in base64. Default: `false`.";
+            parameters.push(parameter("glb", glb, yes_or_no()));
         }
         if O::PARAMETERS.contains(&"view") {
             let view = "View of a picture. `plan`: plan, front and left side. `axonometric`: one isometric view from the front left and above, \

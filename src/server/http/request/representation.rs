@@ -8,6 +8,7 @@ use crate::http::error::{ApiError, Code};
 pub const JSON: &str = "application/json";
 const SVG: &str = "image/svg+xml";
 const HTML: &str = "text/html";
+pub const GLB: &str = "model/gltf-binary";
 pub const EVENTS: &str = "text/event-stream";
 
 /// The media types that stand for NC text, the preferred type first.
@@ -23,13 +24,15 @@ pub enum Representation {
     Svg,
     /// The picture with the figures of the answer.
     Html,
+    /// Part, stock, cutter and path in three dimensions.
+    Glb,
     /// Progress while the computation runs, and then the JSON answer. `format` has no name for events,
     /// because a browser cannot show them behind a link.
     Events,
 }
 
 impl Representation {
-    pub const ALL: [Self; 5] = [Self::Json, Self::Gcode, Self::Svg, Self::Html, Self::Events];
+    pub const ALL: [Self; 6] = [Self::Json, Self::Gcode, Self::Svg, Self::Html, Self::Glb, Self::Events];
 
     /// The form that `format` calls `name`.
     pub fn named(name: &str) -> Option<Self> {
@@ -43,6 +46,7 @@ impl Representation {
             Self::Gcode => Some("gcode"),
             Self::Svg => Some("svg"),
             Self::Html => Some("html"),
+            Self::Glb => Some("glb"),
             Self::Events => None,
         }
     }
@@ -54,6 +58,7 @@ impl Representation {
             Self::Gcode => &GCODE,
             Self::Svg => &[SVG],
             Self::Html => &[HTML],
+            Self::Glb => &[GLB],
             Self::Events => &[EVENTS],
         }
     }
@@ -112,6 +117,7 @@ mod tests {
             ("gcode", Some(Representation::Gcode)),
             ("svg", Some(Representation::Svg)),
             ("html", Some(Representation::Html)),
+            ("glb", Some(Representation::Glb)),
             ("events", None),
         ] {
             assert_eq!(Representation::named(name), form);

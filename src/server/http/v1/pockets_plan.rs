@@ -1,27 +1,29 @@
 //! `POST /v1/pockets/plan`: plans the clearing of a pocket, and answers a toolpath, an NC program or a
 //! picture.
 
-use std::collections::BTreeSet;
+mod charts;
 
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::Point3;
 
-use crate::http::answer::{Computing, Cut, Outcome, answer};
-use crate::http::dto::answer::Answer;
+use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
+use crate::http::dto::answer::{Answer, PathMembers};
 use crate::http::dto::pocketing::PocketRequest;
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::error::ApiError;
 use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
-use crate::http::request::negotiation::{Toolpaths, Wanted};
+use crate::http::request::negotiation::{Form, Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::segment::Segment;
-use toolpathd_core::operations::pocketing::{self, Job, LevelOutlines, Plan, Report};
+use toolpathd_core::operations::pocketing::{self, Job, LevelOutlines, LevelStart, Plan, Report};
 use toolpathd_core::toolpath::measure::{Bounds, measure};
 use toolpathd_core::toolpath::tool_body::Depths;
 use toolpathd_core::toolpath::units::{FeedRate, rounded_up};
 use toolpathd_plot::Drawing;
+use toolpathd_plot::bars::BarChart;
+use toolpathd_post::PassNote;
 
 /// The answer in JSON.
 type PocketAnswer = Answer<Report>;
@@ -40,19 +42,68 @@ pub async fn plan_pocket(
     answer(computing, wanted, body, plan).await
 }
 
-fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>, ApiError> {
+/// The toolpath, with what program and page tell of its levels.
+struct PlannedPath {
+    cut: Cut,
+    pass_notes: Vec<PassNote>,
+    charts: Vec<BarChart>,
+}
+
+impl Product for PlannedPath {
+    type Members = PathMembers;
+
+    const TITLE: &'static str = Cut::TITLE;
+
+    fn cut(&self) -> Option<&Cut> {
+        Some(&self.cut)
+    }
+
+    fn charts(&self) -> &[BarChart] {
+        &self.charts
+    }
+
+    fn pass_notes(&self) -> &[PassNote] {
+        &self.pass_notes
+    }
+
+    fn members(self, written: Option<String>, form: &Form) -> PathMembers {
+        self.cut.members(written, form)
+    }
+}
+
+fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, PlannedPath>, ApiError> {
     let JobWithSetup { job, mut setup, meta } = job;
     let plan = pocketing::plan(&job, budget)?;
     setup.check_depths(&depths(&plan), ("/stepdown_max_mm", "send a smaller `stepdown_max_mm`"))?;
     let doubts = pocketing::doubts(&job, &plan, budget)?;
-    let Plan { toolpath, report, outlines, cutting, warnings, .. } = plan;
+    let Plan { toolpath, report, outlines, starts, cutting, warnings, .. } = plan;
+    let cut = Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None };
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).chain(doubts.iter().map(Warning::from)).collect(),
-        product: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
+        product: PlannedPath {
+            cut,
+            pass_notes: pass_notes(&starts, &report),
+            charts: charts::charts(&report, job.choose_by),
+        },
         report,
         drawing: Box::new(move || drawing(&outlines)),
     })
+}
+
+/// The remarks of the program before the first pass of each level, and before the passes that finish walls.
+fn pass_notes(starts: &[LevelStart], report: &Report) -> Vec<PassNote> {
+    let (n_levels, n_pockets) = (report.levels.len(), charts::n_pockets(report));
+    let note = |start: &LevelStart| {
+        let &LevelStart { pass, level, z_mm, pattern } = start;
+        let (label, text) = match pattern {
+            Some(pattern) => ("LEVEL", format!("{} OF {n_levels} - {}", level + 1, charts::words(pattern))),
+            None => ("FINISH", "WALLS AND ISLANDS".to_owned()),
+        };
+        let of_regions = charts::of_regions(&report.levels[level], n_pockets, " - ");
+        PassNote { pass, label, text: text + &of_regions, z_mm }
+    };
+    starts.iter().map(note).collect()
 }
 
 /// How deep the cutter goes below the top of stock and part, and how deep the deepest level is.
@@ -93,9 +144,7 @@ fn polyline(chain: &[Segment], z: f64) -> Vec<Point3<f64>> {
 /// pockets count for each of them.
 fn proved(report: &Report) -> String {
     let n_levels = report.levels.len();
-    let pockets: BTreeSet<&[usize]> =
-        report.levels.iter().filter_map(|level| level.regions.as_deref()).collect();
-    let of_pockets = match pockets.len() {
+    let of_pockets = match charts::n_pockets(report) {
         0 | 1 => String::new(),
         count => format!(" OF {count} POCKETS"),
     };

@@ -33,7 +33,7 @@ pub enum Readings {}
 
 impl Offers for Readings {
     const OFFERS: &'static [Representation] = Models::OFFERS;
-    const PARAMETERS: &'static [&'static str] = &["format", "toolpath"];
+    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "glb"];
     const HAS_TOOLPATH: bool = true;
     type Query = ReadQuery;
 }
@@ -80,6 +80,10 @@ impl Product for ReadPath {
 
     fn cut(&self) -> Option<&Cut> {
         Some(&self.cut)
+    }
+
+    fn rapid_feed(&self) -> FeedRate {
+        self.rapid_feed
     }
 
     fn members(self, _: Option<String>, form: &Form) -> PathMembers {

@@ -51,7 +51,7 @@ pub enum Verdicts {}
 
 impl Offers for Verdicts {
     const OFFERS: &'static [Representation] = Models::OFFERS;
-    const PARAMETERS: &'static [&'static str] = &["format", "toolpath"];
+    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "glb"];
     const HAS_TOOLPATH: bool = true;
     type Query = VerifyQuery;
 }

@@ -56,6 +56,7 @@ fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteRep
                 cutting: &operation.cutting,
                 dialect: setup.dialect,
                 comments: if k == 0 { &comments } else { &[] },
+                pass_notes: &[],
                 warnings,
                 five_axes: setup.five_axes.as_ref().map(AxisSetup::five_axes),
                 called: setup.called,

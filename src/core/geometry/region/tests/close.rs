@@ -1,5 +1,5 @@
-//! Tests of regions that touch, nearly touch or coincide: none is refused, and the results are those of exact
-//! sets within a few snaps.
+//! Tests of set operations and offsets on regions that touch, nearly touch or coincide. No such pair is
+//! refused. Each result is within a few snaps of the exact one.
 
 use nalgebra::{Isometry2, Vector2};
 use proptest::prelude::*;

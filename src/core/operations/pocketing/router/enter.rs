@@ -78,7 +78,7 @@ impl Router<'_> {
         self.conditions.entry.at.filter(|at| region.place(*at, BESIDE_MM) != Containment::Outside)
     }
 
-    /// Comes down at the place that the caller chose, once.
+    /// Comes down at the place that the caller chose, unless the cutter has been there already.
     fn enter_where_told(&mut self, k: usize, to: Pose) -> Result<bool, PocketError> {
         if self.parts()[k].is_entered {
             return Ok(false);
@@ -86,18 +86,31 @@ impl Router<'_> {
         let region = self.parts()[k].region.clone();
         let Some(at) = self.told_place(&region) else { return Ok(false) };
         self.parts()[k].is_entered = true;
-        if self.conditions.entry.is_predrilled {
-            let Some(along) = (to.at - at).try_normalize(BESIDE_MM) else {
-                self.begin(at, Entry::Plunge);
-                return Ok(true);
-            };
-            let Some(way) = self.slot([Pose { at, along }, to])? else { return Ok(false) };
-            self.begin(at, Entry::Plunge);
-            self.follow(&way, Purpose::Cut)?;
-            return Ok(true);
+        if self.is_free(at) {
+            return Ok(false);
         }
-        let room = region.distance_to_boundary(at);
-        self.helix_about(at, room, to)
+        let limits = self.conditions.entry;
+        if !limits.is_predrilled {
+            if self.helix_about(at, region.distance_to_boundary(at), to)? {
+                return Ok(true);
+            }
+            if !limits.plunge {
+                return Ok(false);
+            }
+        }
+        self.plunge_at(at, to)
+    }
+
+    /// Comes straight down at a place, and goes on to a pose.
+    fn plunge_at(&mut self, at: Point2<f64>, to: Pose) -> Result<bool, PocketError> {
+        let Some(along) = (to.at - at).try_normalize(BESIDE_MM) else {
+            self.begin(at, Entry::Plunge);
+            return Ok(true);
+        };
+        let Some(way) = self.slot([Pose { at, along }, to])? else { return Ok(false) };
+        self.begin(at, Entry::Plunge);
+        self.follow(&way, Purpose::Cut)?;
+        Ok(true)
     }
 
     /// Comes down where the largest helix fits, as near as possible, or on cleared ground if that is nearer.

@@ -15,7 +15,7 @@ pub struct Place {
     deepest: Option<(Point2<f64>, f64)>,
     /// Whether the cutter has no way to come down in it.
     is_left_out: bool,
-    /// Whether the cutter has come down at the place that the caller chose.
+    /// Whether the place that the caller chose has been tried.
     pub is_entered: bool,
 }
 

@@ -1,0 +1,312 @@
+//! The passes of a toolpath as strips of lines.
+
+use nalgebra::{Point3, UnitVector3};
+use serde_json::json;
+
+use super::container::{Document, Mode};
+use super::{Content, KINDS, MOST_VERTICES};
+use toolpathd_core::geometry::curve::Curve;
+use toolpathd_core::geometry::flatten::flatten;
+use toolpathd_core::toolpath::Toolpath;
+use toolpathd_core::toolpath::path::{Move, Pass, Role};
+use toolpathd_core::toolpath::tool_axes::{angle_between, between};
+
+/// The chord is made this much wider where there are too many vertices.
+const WIDER: f64 = 4.0;
+/// The widest chord, mm: wider ones save few vertices.
+const WIDEST_MM: f64 = 1.0;
+
+/// The largest turn of the tool axis between two vertices, radians.
+const LARGEST_TURN: f64 = 0.05;
+
+/// Most passes with a node each. Those of longer toolpaths share nodes.
+const MOST_NODES: usize = 2000;
+
+/// Most points on one curve.
+const MOST_ON_CURVE: usize = 1_000_000;
+
+/// The number of a dwell among the kinds.
+const DWELL: u8 = 7;
+
+/// The colours of the kinds: red, green, blue and opacity.
+const COLORS: [[u8; 4]; KINDS.len()] = [
+    [150, 150, 150, 255],
+    [0, 90, 200, 255],
+    [204, 51, 17, 255],
+    [238, 119, 51, 255],
+    [0, 153, 136, 255],
+    [140, 90, 200, 255],
+    [0, 153, 136, 255],
+    [238, 51, 119, 255],
+    [238, 51, 119, 255],
+];
+
+/// The strips of all passes, behind each other.
+#[derive(Default)]
+pub struct Strips {
+    places: Vec<Point3<f64>>,
+    /// Seconds from the start of the program; without a value where some move has no feed.
+    times: Vec<f64>,
+    has_times: bool,
+    /// The number of the kind of the stretch that ends at the vertex.
+    kinds: Vec<u8>,
+    feeds: Vec<f32>,
+    lines: Vec<u32>,
+    /// The tool axis; empty where it is straight up throughout.
+    axes: Vec<UnitVector3<f64>>,
+    pub passes: Vec<Strip>,
+}
+
+/// The vertices of a pass, or of several.
+pub struct Strip {
+    name: String,
+    level: Option<u32>,
+    first: usize,
+    count: usize,
+}
+
+/// The strips of a toolpath, and the chord that they keep, mm.
+pub fn strips(toolpath: &Toolpath, content: &Content) -> (Strips, f64) {
+    let mut chord_mm = content.chord_mm;
+    while chord_mm < WIDEST_MM && count(toolpath, chord_mm) > MOST_VERTICES {
+        chord_mm *= WIDER;
+    }
+    let mut strips = Strips { has_times: true, ..Strips::default() };
+    let shared = toolpath.passes().len().div_ceil(MOST_NODES).max(1);
+    let mut walk = Walk { chord_mm, content, is_leaning: !toolpath.is_upright(), seconds: 0.0, n_moves: 0 };
+    let mut at = toolpath.start();
+    for (k, pass) in toolpath.passes().iter().enumerate() {
+        if k % shared == 0 || pass.start().is_some() || strips.passes.is_empty() {
+            strips.begin(k, pass, content);
+            walk.start(&mut strips, pass, pass.start().unwrap_or(at));
+        }
+        at = walk.follow(&mut strips, pass).unwrap_or(at);
+        strips.end();
+    }
+    strips.passes.retain(|strip| strip.count > 1);
+    (strips, chord_mm)
+}
+
+/// About the number of vertices.
+fn count(toolpath: &Toolpath, chord_mm: f64) -> usize {
+    let own = |step: &Move| match step {
+        Move::Feed { along, .. } => points(along, chord_mm).len() - 1,
+        Move::Rapid { .. } | Move::Turn { .. } | Move::Dwell { .. } => 1,
+    };
+    toolpath.moves().map(own).sum()
+}
+
+/// The points of a curve whose chords stay within `chord_mm` of it, or its ends where it needs too many.
+fn points(curve: &Curve, chord_mm: f64) -> Vec<Point3<f64>> {
+    flatten(curve, chord_mm, MOST_ON_CURVE).unwrap_or_else(|_| vec![curve.start(), curve.end()])
+}
+
+/// The points of a curve in `count` parts of the same length.
+fn even_points(curve: &Curve, count: usize) -> Vec<Point3<f64>> {
+    let inner = (0..count).map(|k| curve.point_at(k as f64 / count as f64));
+    inner.chain([curve.end()]).collect()
+}
+
+impl Strips {
+    fn begin(&mut self, index: usize, pass: &Pass, content: &Content) {
+        let told = content.names.iter().rev().find(|(from, _)| *from <= index).map(|(_, text)| text.as_str());
+        let name = match told {
+            Some(text) => format!("pass {}, {text}", index + 1),
+            None => format!("pass {}", index + 1),
+        };
+        self.passes.push(Strip { name, level: pass.level(), first: self.places.len(), count: 0 });
+    }
+
+    /// Counts the vertices of the strip so far.
+    fn end(&mut self) {
+        if let Some(strip) = self.passes.last_mut() {
+            strip.count = self.places.len() - strip.first;
+        }
+    }
+}
+
+/// What a walk along the moves knows.
+struct Walk<'a> {
+    chord_mm: f64,
+    content: &'a Content<'a>,
+    is_leaning: bool,
+    seconds: f64,
+    n_moves: usize,
+}
+
+/// What holds along a move.
+struct MoveFacts {
+    kind: u8,
+    feed: f32,
+    /// `None` where the move has no feed.
+    seconds: Option<f64>,
+    line: u32,
+    axes: [UnitVector3<f64>; 2],
+}
+
+impl Walk<'_> {
+    /// The first vertex of a strip.
+    fn start(&mut self, strips: &mut Strips, pass: &Pass, at: Point3<f64>) {
+        let (kind, feed) = pass.moves().first().map_or((0, 0.0), |step| (kind(step), feed(step)));
+        let line = self.n_moves.checked_sub(1).and_then(|k| self.content.lines.get(k)).copied().unwrap_or(0);
+        let axis = pass.axes().start();
+        self.push(strips, at, &MoveFacts { kind, feed, seconds: Some(0.0), line, axes: [axis; 2] }, 1.0);
+    }
+
+    /// Follows the moves of a pass. Returns where they end.
+    fn follow(&mut self, strips: &mut Strips, pass: &Pass) -> Option<Point3<f64>> {
+        let mut axis = pass.axes().start();
+        let mut at = None;
+        for (k, step) in pass.moves().iter().enumerate() {
+            let line = self.content.lines.get(self.n_moves).copied().unwrap_or(0);
+            let to = pass.axes().after(k);
+            let rapid_feed = self.content.rapid_feed.mm_per_min();
+            let seconds = seconds(step, rapid_feed);
+            let stretch = MoveFacts { kind: kind(step), feed: feed(step), seconds, line, axes: [axis, to] };
+            at = self.step(strips, step, &stretch).or(at);
+            (axis, self.n_moves) = (to, self.n_moves + 1);
+        }
+        at
+    }
+
+    /// Adds the vertices of a move. Returns where it ends; none for a move that goes nowhere.
+    fn step(&mut self, strips: &mut Strips, step: &Move, stretch: &MoveFacts) -> Option<Point3<f64>> {
+        // The colour changes at once, not along the first stretch.
+        if let (Some(last), Some(before)) = (strips.places.last().copied(), strips.kinds.last())
+            && *before != stretch.kind
+        {
+            self.push(strips, last, &MoveFacts { seconds: Some(0.0), ..*stretch }, 0.0);
+        }
+        let turning = (angle_between(&stretch.axes[0], &stretch.axes[1]) / LARGEST_TURN).ceil() as usize;
+        let curve = match step {
+            Move::Rapid { line } => Curve::Line(*line),
+            Move::Feed { along, .. } => *along,
+            Move::Turn { .. } | Move::Dwell { .. } => {
+                let at = strips.places.last().copied()?;
+                let parts = turning.max(1);
+                (1..=parts).for_each(|k| self.push(strips, at, stretch, k as f64 / parts as f64));
+                self.pass_time(strips, stretch);
+                return None;
+            }
+        };
+        let mut along = points(&curve, self.chord_mm);
+        if along.len() <= turning {
+            along = even_points(&curve, turning);
+        }
+        let whole: f64 = along.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+        let mut done = 0.0;
+        for (k, pair) in along.windows(2).enumerate() {
+            done += (pair[1] - pair[0]).norm();
+            let is_last = k + 2 == along.len();
+            self.push(strips, pair[1], stretch, if is_last || whole == 0.0 { 1.0 } else { done / whole });
+        }
+        self.pass_time(strips, stretch);
+        Some(curve.end())
+    }
+
+    /// Adds a vertex at a part of a stretch.
+    fn push(&self, strips: &mut Strips, at: Point3<f64>, stretch: &MoveFacts, part: f64) {
+        strips.places.push(at);
+        strips.times.push(self.seconds + part * stretch.seconds.unwrap_or(0.0));
+        strips.kinds.push(stretch.kind);
+        strips.feeds.push(stretch.feed);
+        strips.lines.push(stretch.line);
+        if self.is_leaning {
+            strips.axes.push(between(&stretch.axes[0], &stretch.axes[1], part));
+        }
+    }
+
+    fn pass_time(&mut self, strips: &mut Strips, stretch: &MoveFacts) {
+        match stretch.seconds {
+            Some(seconds) => self.seconds += seconds,
+            None => strips.has_times = false,
+        }
+    }
+}
+
+/// The number of the kind of a move.
+fn kind(step: &Move) -> u8 {
+    let of = |role: &Role| match role {
+        Role::Cut => 1,
+        Role::Plunge => 2,
+        Role::Ramp => 3,
+        Role::LeadIn => 4,
+        Role::Link => 5,
+        Role::LeadOut => 6,
+    };
+    match step {
+        Move::Rapid { .. } => 0,
+        Move::Feed { role, .. } => of(role),
+        Move::Dwell { .. } => DWELL,
+        Move::Turn { .. } => DWELL + 1,
+    }
+}
+
+/// The feed of a move, mm/min; 0 for a move without one.
+fn feed(step: &Move) -> f32 {
+    match step {
+        Move::Feed { rate: Some(rate), .. } => rate.mm_per_min() as f32,
+        Move::Feed { .. } | Move::Rapid { .. } | Move::Turn { .. } | Move::Dwell { .. } => 0.0,
+    }
+}
+
+/// The time of a move, s; none for a cut without a feed.
+fn seconds(step: &Move, rapid_mm_per_min: f64) -> Option<f64> {
+    match step {
+        Move::Rapid { line } => Some(60.0 * line.length() / rapid_mm_per_min),
+        Move::Feed { along, rate, .. } => rate.map(|rate| 60.0 * along.length() / rate.mm_per_min()),
+        Move::Turn { seconds, .. } => *seconds,
+        Move::Dwell { seconds } => Some(*seconds),
+    }
+}
+
+/// The arrays of all strips, in the order in which they are first asked for.
+pub struct Arrays {
+    placed: Vec<[f32; 3]>,
+    positions: super::container::Array,
+    others: Vec<(&'static str, super::container::Array)>,
+}
+
+impl Arrays {
+    pub fn new(document: &mut Document, strips: &Strips) -> Self {
+        let placed: Vec<[f32; 3]> = strips.places.iter().map(|p| document.place(p)).collect();
+        let positions = document.vec3(&placed);
+        let scalars = |values: Vec<f32>, document: &mut Document| document.scalars(&values);
+        let mut others = Vec::new();
+        if strips.has_times {
+            let times = strips.times.iter().map(|s| *s as f32).collect();
+            others.push(("_TIME", scalars(times, document)));
+        }
+        let kinds = strips.kinds.iter().map(|kind| f32::from(*kind)).collect();
+        others.push(("_KIND", scalars(kinds, document)));
+        others.push(("_FEED", scalars(strips.feeds.clone(), document)));
+        if strips.lines.iter().any(|line| *line > 0) {
+            let lines = strips.lines.iter().map(|line| *line as f32).collect();
+            others.push(("_BLOCK", scalars(lines, document)));
+        }
+        if !strips.axes.is_empty() {
+            let axes: Vec<[f32; 3]> =
+                strips.axes.iter().map(|axis| [axis.x as f32, axis.y as f32, axis.z as f32]).collect();
+            others.push(("_AXIS", document.vec3(&axes)));
+        }
+        let colors: Vec<[u8; 4]> = strips.kinds.iter().map(|kind| COLORS[usize::from(*kind)]).collect();
+        others.push(("COLOR_0", document.colors(&colors)));
+        Self { placed, positions, others }
+    }
+}
+
+/// The node of a strip.
+pub fn node(document: &mut Document, arrays: &Arrays, strip: &Strip) -> usize {
+    let Strip { name, level, first, count } = strip;
+    let places = &arrays.placed[*first..first + count];
+    let mut attributes = vec![("POSITION", document.places(arrays.positions, *first, places))];
+    for (name, array) in &arrays.others {
+        attributes.push((name, document.accessor(*array, *first, *count)));
+    }
+    let mesh = document.mesh(name, Mode::LineStrip, attributes, None, None);
+    let mut told = json!({ "name": name });
+    if let Some(level) = level {
+        told["extras"] = json!({ "level": level });
+    }
+    document.node(told, Some(mesh), &[])
+}

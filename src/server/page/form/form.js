@@ -1,0 +1,154 @@
+// The form of a request: made from the contract, changed in place, with errors at the fields that they name.
+import { el, rich } from "./dom.js";
+import { fieldOf } from "./field.js";
+import { JsonControl } from "./json.js";
+import { ListControl, MapControl } from "./list.js";
+import { ObjectControl, Slot, VariantControl } from "./object.js";
+import { ChoiceControl, InlineNumbers, NumberControl, TextControl } from "./scalars.js";
+import { TableControl } from "./table.js";
+import { TEXTS } from "./texts.js";
+import { isInline } from "./tree.js";
+import { pathOf } from "./value.js";
+
+/** @typedef {import("../contract.js").Contract} Contract */
+/** @typedef {import("../contract.js").Operation} Operation */
+/** @typedef {import("./dom.js").Context} Context */
+/** @typedef {import("./dom.js").Control} Control */
+/** @typedef {import("./field.js").Field} Field */
+/** @typedef {{pointer: string, code?: string, detail: string}} FieldError  as the service answers it */
+
+/** Of more errors, the rest is in the answer only. */
+const ERRORS = 100;
+
+const CONTROLS = {
+  number: NumberControl, integer: NumberControl, text: TextControl, choice: ChoiceControl,
+  flag: ChoiceControl, object: ObjectControl, variant: VariantControl, list: ListControl, map: MapControl,
+  points: TableControl, numbers: TableControl, json: JsonControl,
+};
+
+/** The form of one request at a time. */
+export class RequestForm {
+  /**
+   * @param {HTMLElement} host
+   * @param {Contract} contract
+   * @param {{onchange: (value: unknown) => void}} listener  told each value that people make
+   */
+  constructor(host, contract, { onchange }) {
+    this.host = host;
+    this.contract = contract;
+    this.onchange = onchange;
+    /** @type {Operation | null} */
+    this.operation = null;
+    /** @type {Slot | null} */
+    this.root = null;
+    /** @type {unknown} */
+    this.shown = undefined;
+    this.ids = 0;
+    /** @type {import("./pastebox.js").PasteBox[]} */
+    this.boxes = [];
+    this.summary = el("div", { class: "form-errors", role: "alert", hidden: true });
+    this.body = el("div", { class: "form" });
+    host.replaceChildren(this.summary, this.body);
+  }
+
+  /**
+   * Shows the request of an operation. The fields of the operation that is shown already are kept.
+   * @param {Operation} operation
+   * @param {unknown} value
+   */
+  show(operation, value) {
+    this.shown = value;
+    if (this.root && operation === this.operation) {
+      this.root.update(value);
+      return;
+    }
+    this.operation = operation;
+    this.boxes = [];
+    this.clearErrors();
+    const field = fieldOf(this.contract.resolve, operation.schema, "", true, TEXTS.wholeRequest);
+    /** @type {Context} */
+    const context = {
+      id: () => `f${(this.ids += 1)}`,
+      boxes: this.boxes,
+      make: (inner, part, emit) => new (controlOf(inner))(context, inner, part, emit),
+    };
+    this.root = new Slot(context, field, value, (next) => {
+      this.shown = next;
+      this.onchange(next);
+    });
+    this.body.replaceChildren(this.root.element);
+  }
+
+  /** @returns {unknown} the request */
+  get value() {
+    return this.shown;
+  }
+
+  /** @returns {number} how many inputs are marked as wrong */
+  get problems() {
+    return this.body.querySelectorAll('[aria-invalid="true"]').length;
+  }
+
+  /**
+   * Puts rows of numbers, such as those of a dropped file, into the first table of the form.
+   * @param {string} text
+   * @returns {boolean}  false where there is no table, or the text has no numbers
+   */
+  takePoints(text) {
+    const box = this.boxes.find(({ element }) => this.body.contains(element));
+    if (!box?.take(text)) return false;
+    box.element.scrollIntoView({ block: "center" });
+    return true;
+  }
+
+  /**
+   * Shows errors at their fields, all in a summary, and moves the focus to the first.
+   * @param {FieldError[]} errors
+   */
+  setErrors(errors) {
+    this.clearErrors();
+    const { root } = this;
+    if (!root || errors.length === 0) return;
+    const items = errors.slice(0, ERRORS).map(({ pointer, detail }) => {
+      const { control, path } = root.reveal(pathOf(pointer));
+      const id = control.mark(detail, path);
+      const focus = () => {
+        const again = root.reveal(pathOf(pointer));
+        again.control.focus(again.path);
+      };
+      return { focus, element: errorLine(pointer, detail, id, focus) };
+    });
+    this.summary.replaceChildren(el("p", {}, TEXTS.errors(errors.length)),
+      el("ul", {}, ...items.map(({ element }) => element)));
+    this.summary.hidden = false;
+    items[0]?.focus();
+  }
+
+  /** Takes all errors of the service away. */
+  clearErrors() {
+    this.root?.clear();
+    this.summary.hidden = true;
+    this.summary.replaceChildren();
+  }
+}
+
+/** @param {Field} field */
+function controlOf(field) {
+  return isInline(field) ? InlineNumbers : CONTROLS[field.kind];
+}
+
+/**
+ * @param {string} pointer
+ * @param {string} detail
+ * @param {string} id  of the field
+ * @param {() => void} focus
+ * @returns {HTMLLIElement}
+ */
+function errorLine(pointer, detail, id, focus) {
+  const press = (/** @type {Event} */ event) => {
+    event.preventDefault();
+    focus();
+  };
+  const name = pointer.replace(/^#?\/?/, "") || TEXTS.wholeRequest;
+  return el("li", {}, el("a", { href: `#${id}`, click: press }, el("code", {}, name)), ": ", ...rich(detail));
+}

@@ -1,0 +1,321 @@
+// The fields with entries: lists, of which one page is in the document, and maps from names to values.
+import { button, el, Frame, setInvalid } from "./dom.js";
+import { brief } from "./jsontext.js";
+import { Slot } from "./object.js";
+import { gridOf, parseTable } from "../paste.js";
+import { PasteBox, understood } from "./pastebox.js";
+import { TEXTS } from "./texts.js";
+import { blankItem, emptyItem, isSimple } from "./tree.js";
+import { isObject, withItem } from "./value.js";
+
+/** @typedef {import("./dom.js").Control} Control */
+/** @typedef {import("./dom.js").Context} Context */
+/** @typedef {import("./dom.js").Emit} Emit */
+/** @typedef {import("./field.js").Field} Field */
+/** @typedef {import("./value.js").Path} Path */
+/**
+ * @typedef {object} Row
+ * @property {HTMLElement} element
+ * @property {HTMLDetailsElement | null} details  null for a simple entry
+ * @property {HTMLElement} summary
+ * @property {Slot | null} slot  null until the entry is opened
+ */
+
+/** As many entries are in the document at once. */
+const PAGE = 20;
+/** Of a list that is no longer than this, the entries are open at first. */
+const OPEN = 2;
+
+/**
+ * A list of values of one kind.
+ * @implements {Control}
+ */
+export class ListControl {
+  /** @param {Context} context @param {Field} field @param {unknown} value @param {Emit} emit */
+  constructor(context, field, value, emit) {
+    this.context = context;
+    this.field = field;
+    this.item = field.item();
+    this.emit = emit;
+    this.frame = new Frame(context, field, "");
+    /** @type {readonly unknown[]} */
+    this.value = Array.isArray(value) ? value : [];
+    this.first = 0;
+    /** @type {Row[]} */
+    this.rows = [];
+    this.list = el("div", { class: "form-list" });
+    this.count = el("span", { class: "form-note", role: "status" });
+    this.previous = button(TEXTS.previous, () => this.#turn(-PAGE));
+    this.next = button(TEXTS.next, () => this.#turn(PAGE));
+    this.add = button(TEXTS.addItem, () => this.#add());
+    const bar = el("div", { class: "form-bar" }, this.previous, this.next, this.add, this.count);
+    this.element = this.frame.group(this.list, bar);
+    if (this.item.kind === "points") this.#addPasteBox();
+    this.#draw();
+  }
+
+  /** Adds a box that takes all rows of points at once. */
+  #addPasteBox() {
+    const box = new PasteBox(this.context, this.field.label, {
+      read: (text) => {
+        const table = parseTable(text, this.item);
+        const grid = gridOf(table);
+        const by = TEXTS.gridRead(grid.rows.length, TEXTS.gridBy[grid.by] ?? "");
+        return table.rows.length === 0 ? null : { value: grid.rows, note: `${understood(table)}. ${by}.` };
+      },
+      current: () => this.value,
+      apply: (value) => this.#change(/** @type {unknown[]} */ (value)),
+    });
+    box.takeDrops(this.element);
+    this.element.append(box.element);
+  }
+
+  /** @param {unknown} value */
+  update(value) {
+    this.value = Array.isArray(value) ? value : [];
+    this.#draw();
+  }
+
+  /** @param {readonly unknown[]} value */
+  #change(value) {
+    this.value = value;
+    this.frame.setFault("");
+    this.#draw();
+    this.emit(value);
+  }
+
+  #draw() {
+    const last = Math.max(0, Math.floor((this.value.length - 1) / PAGE) * PAGE);
+    this.#goTo(Math.min(this.first, last));
+    const shown = this.value.slice(this.first, this.first + PAGE);
+    while (this.rows.length > shown.length) this.rows.pop()?.element.remove();
+    shown.forEach((value, at) => {
+      const row = this.rows[at] ?? this.#addRow(at, value);
+      row.slot?.update(value);
+      row.summary.textContent = this.#heading(at, value);
+    });
+    const count = this.value.length;
+    const isLong = count > PAGE;
+    this.previous.hidden = !isLong;
+    this.next.hidden = !isLong;
+    this.previous.disabled = this.first === 0;
+    this.next.disabled = this.first + PAGE >= count;
+    this.count.textContent = isLong
+      ? TEXTS.page(this.first + 1, this.first + shown.length, count) : TEXTS.items(count);
+  }
+
+  /** @param {number} at @param {unknown} value */
+  #heading(at, value) {
+    return `${TEXTS.item(this.item.label, this.first + at + 1)}: ${brief(value)}`;
+  }
+
+  /** @param {number} at  within the page @param {unknown} value @returns {Row} */
+  #addRow(at, value) {
+    const summary = el("summary", {});
+    const label = TEXTS.item(this.item.label, this.first + at + 1);
+    const remove = button("×", () => this.#remove(this.first + at), "form-remove");
+    remove.setAttribute("aria-label", TEXTS.remove(label));
+    remove.title = TEXTS.remove(label);
+    const details = isSimple(this.item) ? null
+      : el("details", { toggle: () => this.#fill(at) }, summary);
+    const element = el("div", { class: "form-entry" }, remove, ...(details ? [details] : []));
+    /** @type {Row} */
+    const row = { element, details, summary, slot: null };
+    this.rows[at] = row;
+    if (!details) {
+      row.slot = this.#slot(at, label, value);
+      element.append(row.slot.element);
+    } else if (this.value.length <= OPEN) {
+      details.open = true;
+      this.#fill(at);
+    }
+    this.list.append(element);
+    return row;
+  }
+
+  /** @param {number} at */
+  #fill(at) {
+    const row = this.rows[at];
+    if (!row?.details?.open || row.slot) return;
+    row.slot = this.#slot(at, this.item.label, this.value[this.first + at]);
+    row.details.append(row.slot.element);
+  }
+
+  /** @param {number} at @param {string} label @param {unknown} value */
+  #slot(at, label, value) {
+    const shown = value === null ? undefined : value;
+    return new Slot(this.context, { ...this.item, label }, shown, (next) => {
+      const item = next ?? emptyItem(this.item);
+      this.value = withItem(this.value, this.first + at, item);
+      const row = this.rows[at];
+      if (row) row.summary.textContent = this.#heading(at, item);
+      this.frame.setFault("");
+      this.emit(this.value);
+    });
+  }
+
+  #add() {
+    this.#change([...this.value, blankItem(this.item)]);
+    this.reveal([this.value.length - 1]).control.focus([]);
+  }
+
+  /** @param {number} index */
+  #remove(index) {
+    this.#change(this.value.filter((_, at) => at !== index));
+    this.add.focus();
+  }
+
+  /** @param {number} step */
+  #turn(step) {
+    this.#goTo(Math.max(0, this.first + step));
+    this.#draw();
+  }
+
+  /** @param {number} first  of the page that is shown */
+  #goTo(first) {
+    if (first === this.first) return;
+    this.first = first;
+    this.rows = [];
+    this.list.replaceChildren();
+  }
+
+  /** @param {Path} path @returns {{control: Control, path: Path}} */
+  reveal(path) {
+    const [index, ...rest] = path;
+    if (typeof index !== "number" || index >= this.value.length) return { control: this, path };
+    this.#goTo(Math.floor(index / PAGE) * PAGE);
+    this.#draw();
+    const row = this.rows[index - this.first];
+    if (row?.details) row.details.open = true;
+    this.#fill(index - this.first);
+    return row?.slot?.reveal(rest) ?? { control: this, path };
+  }
+
+  /** @param {string} text */
+  mark(text) {
+    this.frame.addFault(text);
+    return this.frame.id;
+  }
+
+  clear() {
+    this.frame.setFault("");
+    for (const row of this.rows) row.slot?.clear();
+  }
+
+  focus() {
+    if (this.frame.fault) this.element.focus();
+    else this.add.focus();
+  }
+}
+
+/**
+ * Names with values.
+ * @implements {Control}
+ */
+export class MapControl {
+  /** @param {Context} context @param {Field} field @param {unknown} value @param {Emit} emit */
+  constructor(context, field, value, emit) {
+    this.context = context;
+    this.item = field.item();
+    this.emit = emit;
+    this.frame = new Frame(context, field, "");
+    /** @type {[string, unknown][]} */
+    this.entries = [];
+    /** @type {{name: HTMLInputElement, slot: Slot, element: HTMLElement}[]} */
+    this.rows = [];
+    this.list = el("div", { class: "form-list" });
+    this.add = button(TEXTS.addItem, () => this.#add());
+    this.element = this.frame.group(this.list, el("div", { class: "form-bar" }, this.add));
+    this.update(value);
+  }
+
+  /** @param {unknown} value */
+  update(value) {
+    const entries = Object.entries(isObject(value) ? value : {});
+    const isTyping = this.entries.some(([name]) => name === "") && this.list.contains(document.activeElement);
+    if (isTyping) return;
+    this.entries = entries;
+    this.#draw();
+  }
+
+  #draw() {
+    while (this.rows.length > this.entries.length) this.rows.pop()?.element.remove();
+    this.entries.slice(0, 10 * PAGE).forEach(([name, value], at) => {
+      const row = this.rows[at] ?? this.#addRow(at, value);
+      if (row.name.value !== name) row.name.value = name;
+      row.slot.update(value === null ? undefined : value);
+    });
+  }
+
+  /** @param {number} at @param {unknown} value */
+  #addRow(at, value) {
+    const name = el("input", {
+      type: "text", autocomplete: "off", "aria-label": TEXTS.mapName, placeholder: TEXTS.mapName,
+      input: () => this.#change(at, name.value, this.entries[at]?.[1]),
+    });
+    const field = { ...this.item, label: TEXTS.mapValue, required: true };
+    const slot = new Slot(this.context, field, value === null ? undefined : value, (next) =>
+      this.#change(at, name.value, next ?? emptyItem(this.item)));
+    const remove = button("×", () => this.#remove(at), "form-remove");
+    remove.setAttribute("aria-label", TEXTS.remove(TEXTS.item(this.frame.field.label, at + 1)));
+    const element = el("div", { class: "form-entry form-pair" }, remove, name, slot.element);
+    this.list.append(element);
+    const row = { name, slot, element };
+    this.rows[at] = row;
+    return row;
+  }
+
+  /** @param {number} at @param {string} name @param {unknown} value */
+  #change(at, name, value) {
+    this.entries[at] = [name, value];
+    this.#tell();
+  }
+
+  /** Tells the entries, unless two have the same name: one of them would be lost. */
+  #tell() {
+    const names = this.entries.map(([name]) => name).filter((name) => name !== "");
+    const isTwice = new Set(names).size < names.length;
+    this.frame.setProblem(isTwice ? TEXTS.nameTwice : "");
+    for (const { name } of this.rows) {
+      setInvalid(name, names.indexOf(name.value) !== names.lastIndexOf(name.value));
+    }
+    this.frame.setFault("");
+    if (!isTwice) this.emit(Object.fromEntries(this.entries.filter(([name]) => name !== "")));
+  }
+
+  #add() {
+    this.entries.push(["", blankItem(this.item)]);
+    this.#draw();
+    this.rows.at(-1)?.name.focus();
+  }
+
+  /** @param {number} at */
+  #remove(at) {
+    this.entries.splice(at, 1);
+    this.#draw();
+    this.#tell();
+    this.add.focus();
+  }
+
+  /** @param {Path} path @returns {{control: Control, path: Path}} */
+  reveal(path) {
+    const at = this.entries.findIndex(([name]) => name === String(path[0]));
+    return this.rows[at]?.slot.reveal(path.slice(1)) ?? { control: this, path };
+  }
+
+  /** @param {string} text */
+  mark(text) {
+    this.frame.addFault(text);
+    return this.frame.id;
+  }
+
+  clear() {
+    this.frame.setFault("");
+    for (const row of this.rows) row.slot.clear();
+  }
+
+  focus() {
+    if (this.frame.fault) this.element.focus();
+    else this.add.focus();
+  }
+}

@@ -1,0 +1,187 @@
+// Reads the binary glTF file of an answer: the path with its times, and the triangles of the solids.
+
+/** @import { MeshData, PathData } from "./view/types.js" */
+
+import { KINDS } from "./view/types.js";
+
+const MAGIC = 0x46546c67;
+const JSON_CHUNK = 0x4e4f534a;
+const BIN_CHUNK = 0x004e4942;
+const HEADER_BYTES = 12;
+const FLOAT = 5126;
+
+/**
+ * @typedef {{ bufferView: number, byteOffset?: number, componentType: number, count: number, type: string }} Accessor
+ * @typedef {{ byteOffset?: number, byteLength: number, byteStride?: number }} BufferView
+ * @typedef {{ attributes: Record<string, number>, indices?: number, mode?: number }} Primitive
+ * @typedef {{ name?: string, mesh?: number, children?: number[], translation?: number[], extras?: Record<string, unknown> }} Node
+ * @typedef {{ nodes: Node[], scenes: { nodes: number[] }[], meshes?: { primitives: Primitive[] }[],
+ *   accessors?: Accessor[], bufferViews?: BufferView[] }} Description
+ * @typedef {object} Model
+ * @property {PathData | null} path
+ * @property {Map<string, MeshData>} solids by the names of their nodes
+ */
+
+class Reader {
+  /** @param {ArrayBuffer} file */
+  constructor(file) {
+    const view = new DataView(file);
+    if (file.byteLength < HEADER_BYTES || view.getUint32(0, true) !== MAGIC) throw new Error("no binary glTF file");
+    /** @type {Description | null} */
+    let json = null;
+    let bytes = new ArrayBuffer(0);
+    for (let at = HEADER_BYTES; at + 8 <= file.byteLength;) {
+      const length = view.getUint32(at, true);
+      const kind = view.getUint32(at + 4, true);
+      if (kind === JSON_CHUNK) json = JSON.parse(new TextDecoder().decode(new Uint8Array(file, at + 8, length)));
+      if (kind === BIN_CHUNK) bytes = file.slice(at + 8, at + 8 + length);
+      at += 8 + length;
+    }
+    if (json === null) throw new Error("the glTF file has no description");
+    this.json = json;
+    this.bytes = bytes;
+    const root = this.node(json.scenes[0]?.nodes[0] ?? 0);
+    this.children = (root.children ?? []).map((k) => this.node(k));
+    const extras = root.extras ?? {};
+    this.scale = 1 / Number(extras["metres_per_unit"] ?? 1);
+    const [x = 0, y = 0, z = 0] = root.translation ?? [];
+    // The root turns z of the part to y.
+    this.origin = [x * this.scale, -z * this.scale, y * this.scale];
+  }
+
+  /** @param {number} index */
+  node(index) {
+    const node = this.json.nodes[index];
+    if (node === undefined) throw new Error(`the glTF file has no node ${index}`);
+    return node;
+  }
+
+  /** @param {number | undefined} index */
+  accessor(index) {
+    const accessor = index === undefined ? undefined : this.json.accessors?.[index];
+    const view = accessor && this.json.bufferViews?.[accessor.bufferView];
+    if (accessor === undefined || view === undefined) throw new Error("the glTF file lacks numbers");
+    return { ...accessor, from: (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0) };
+  }
+
+  /** The numbers of an accessor, without a copy. @param {number | undefined} index */
+  floats(index) {
+    const { componentType, count, type, from } = this.accessor(index);
+    if (componentType !== FLOAT) throw new Error("the glTF file has other numbers than expected");
+    return new Float32Array(this.bytes, from, count * (type === "VEC3" ? 3 : 1));
+  }
+
+  /** @param {number | undefined} index */
+  indices(index) {
+    const { count, from } = this.accessor(index);
+    return new Uint32Array(this.bytes, from, count);
+  }
+
+  /** @param {Node} node */
+  primitive(node) {
+    return node.mesh === undefined ? undefined : this.json.meshes?.[node.mesh]?.primitives[0];
+  }
+
+  /** Places of the part, mm. @param {Float32Array} metres */
+  places(metres) {
+    const places = new Float32Array(metres.length);
+    for (let k = 0; k < metres.length; k++) places[k] = (metres[k] ?? 0) * this.scale + (this.origin[k % 3] ?? 0);
+    return places;
+  }
+}
+
+/**
+ * The model in a file.
+ * @param {ArrayBuffer} file
+ * @returns {Model}
+ */
+export function readModel(file) {
+  const reader = new Reader(file);
+  /** @type {Map<string, MeshData>} */
+  const solids = new Map();
+  /** @type {PathData | null} */
+  let path = null;
+  for (const node of reader.children) {
+    const primitive = reader.primitive(node);
+    if (node.name === "path") path = readPath(reader, node);
+    else if (primitive !== undefined) solids.set(node.name ?? "", solid(reader, primitive, node.name === "cutter"));
+  }
+  return { path, solids };
+}
+
+/** @param {Reader} reader @param {Primitive} primitive @param {boolean} isFree of the origin of the part */
+function solid(reader, primitive, isFree) {
+  const metres = reader.floats(primitive.attributes["POSITION"]);
+  const positions = isFree ? metres.map((x) => x * reader.scale) : reader.places(metres);
+  const normals = reader.floats(primitive.attributes["NORMAL"]);
+  return { positions, normals, indices: reader.indices(primitive.indices) };
+}
+
+/** @param {Reader} reader @param {Node} node @returns {PathData | null} */
+function readPath(reader, node) {
+  const passes = (node.children ?? []).map((k) => reader.node(k));
+  const count = passes.reduce((sum, pass) => sum + vertices(reader, pass), 0);
+  if (count === 0) return null;
+  const path = {
+    positions: new Float32Array(3 * count),
+    times: new Float32Array(count),
+    kinds: new Uint8Array(count),
+    feeds: new Float32Array(count),
+    blocks: new Uint32Array(count),
+    deviations: null,
+    axes: /** @type {Float32Array | null} */ (null),
+    strips: /** @type {PathData["strips"]} */ ([]),
+  };
+  let first = 0;
+  for (const [k, pass] of passes.entries()) {
+    const attributes = reader.primitive(pass)?.attributes;
+    if (attributes === undefined) continue;
+    const places = reader.places(reader.floats(attributes["POSITION"]));
+    path.positions.set(places, 3 * first);
+    for (const [name, numbers] of /** @type {const} */ ([["_TIME", path.times], ["_KIND", path.kinds],
+      ["_FEED", path.feeds], ["_BLOCK", path.blocks]])) {
+      if (attributes[name] !== undefined) numbers.set(reader.floats(attributes[name]), first);
+    }
+    if (attributes["_AXIS"] !== undefined) {
+      path.axes ??= new Float32Array(3 * count);
+      path.axes.set(reader.floats(attributes["_AXIS"]), 3 * first);
+    }
+    const level = pass.extras?.["level"];
+    const length = places.length / 3;
+    path.strips.push({
+      first, count: length, name: pass.name ?? "", pass: k, level: typeof level === "number" ? level : null,
+    });
+    first += length;
+  }
+  // What the view has no kind for rests.
+  for (let k = 0; k < count; k++) path.kinds[k] = Math.min(path.kinds[k] ?? 0, KINDS.length - 1);
+  return path;
+}
+
+/** @param {Reader} reader @param {Node} pass */
+function vertices(reader, pass) {
+  const primitive = reader.primitive(pass);
+  return primitive === undefined ? 0 : reader.accessor(primitive.attributes["POSITION"]).count;
+}
+
+/** The bytes of a text in base64. @param {string} text @returns {ArrayBuffer} */
+export function bytesOf(text) {
+  const parts = [];
+  // Groups of four characters stand for three bytes each.
+  const step = 4 << 18;
+  let length = 0;
+  for (let at = 0; at < text.length; at += step) {
+    const decoded = atob(text.slice(at, at + step));
+    const part = new Uint8Array(decoded.length);
+    for (let k = 0; k < decoded.length; k++) part[k] = decoded.charCodeAt(k);
+    parts.push(part);
+    length += part.length;
+  }
+  const bytes = new Uint8Array(length);
+  let at = 0;
+  for (const part of parts) {
+    bytes.set(part, at);
+    at += part.length;
+  }
+  return bytes.buffer;
+}

@@ -1,0 +1,80 @@
+// The text over the canvas (letters of the axes, grid spacing and size), and the colours of the page.
+
+import { axisEnds, gridOf } from "./grid.js";
+import { figure } from "./math.js";
+import { TEXTS } from "./texts.js";
+/** @import { Camera } from "./camera.js" */
+/** @import { Color, Theme } from "./gl.js" */
+/** @import { Box } from "./types.js" */
+
+/** The CSS variables that colour the view, each called `--view-` and the name. */
+const THEME = /** @type {const} */ (["background", "grid", "part", "stock", "tool", "holder", "highlight"]);
+
+/** Numbers of a computed colour, 0 to 1: "rgb(1, 2, 3)" or "color(srgb 0.1 0.2 0.3)".
+ * @param {string} text @returns {Color} */
+export function parseColor(text) {
+  const numbers = text.replace(/^color\(\S+/, "").match(/-?[\d.]+(e-?\d+)?/g) ?? [];
+  const [r = 0, g = 0, b = 0] = numbers.map(Number);
+  return text.startsWith("color(") ? [r, g, b] : [r / 255, g / 255, b / 255];
+}
+
+/** Lengths of a box's edges in mm, for people. @param {Box} box */
+export const sizeOf = ({ min, max }) => max.map((x, k) => figure(x - (min[k] ?? x)));
+
+export class Labels {
+  #host = document.createElement("div");
+  #scale = document.createElement("p");
+  #probe = document.createElement("span");
+  #axes = TEXTS.axes.map((text) => this.#letter(text));
+  #canvas;
+
+  /** @param {HTMLCanvasElement} canvas */
+  constructor(canvas) {
+    this.#canvas = canvas;
+    this.#host.className = "view-labels";
+    this.#host.setAttribute("aria-hidden", "true");
+    this.#scale.className = "view-scale";
+    this.#probe.hidden = true;
+    this.#host.append(this.#scale, ...this.#axes, this.#probe);
+    canvas.classList.add("view-canvas");
+    canvas.parentElement?.classList.add("view-host");
+    canvas.after(this.#host);
+  }
+
+  /** @param {string} text */
+  #letter(text) {
+    const letter = document.createElement("span");
+    letter.className = "view-axis";
+    letter.textContent = text;
+    return letter;
+  }
+
+  /** The colours that the page gives the view now. @returns {Theme} */
+  theme() {
+    const colors = THEME.map((name) => {
+      this.#probe.style.color = `var(--view-${name})`;
+      return [name, parseColor(getComputedStyle(this.#probe).color)];
+    });
+    return Object.fromEntries(colors);
+  }
+
+  /** @param {Box|null} box of the scene; null hides all @param {Box|null} sized box whose size is told */
+  set(box, sized) {
+    this.#host.hidden = !box;
+    if (box) this.#scale.textContent = TEXTS.scale(figure(gridOf(box).spacing), sizeOf(sized ?? box));
+  }
+
+  /** Puts the letters to the ends of the axes. @param {Camera} camera @param {Box} box */
+  place(camera, box) {
+    const { offsetLeft, offsetTop } = this.#canvas;
+    axisEnds(box).forEach((end, k) => {
+      const letter = this.#axes[k];
+      if (!letter) return;
+      const { x, y, depth } = camera.project(end);
+      letter.hidden = depth <= 0 || x < 0 || y < 0 || x > camera.width || y > camera.height;
+      if (!letter.hidden) letter.style.transform = `translate(${offsetLeft + x}px, ${offsetTop + y}px)`;
+    });
+  }
+
+  dispose() { this.#host.remove(); }
+}

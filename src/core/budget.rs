@@ -5,7 +5,7 @@
 //! one of the reasons of [`Stopped`], or if the deadline has passed. The computation then ends without a
 //! result.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 use crate::parallel::{self, Helpers};
@@ -115,6 +115,31 @@ impl Budget {
     pub fn progress(&self, stage: &'static str, done: usize, total: usize) {
         if let Some(sink) = &self.sink {
             sink.progress(stage, done, total);
+        }
+    }
+}
+
+/// Counts the units of a stage that several threads finish, and tells the count, which only rises.
+#[derive(Debug)]
+pub struct Progress {
+    stage: &'static str,
+    total: usize,
+    done: Mutex<usize>,
+}
+
+impl Progress {
+    /// A stage of `total` units. Without units nothing is told.
+    pub fn new(stage: &'static str, total: usize) -> Self {
+        Self { stage, total, done: Mutex::new(0) }
+    }
+
+    /// Counts one unit, and tells the count.
+    pub fn tell_one(&self, budget: &Budget) {
+        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+        *done += 1;
+        if self.total > 0 {
+            // Told under the lock, so that no smaller count is told after a larger one.
+            budget.progress(self.stage, *done, self.total);
         }
     }
 }

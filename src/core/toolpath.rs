@@ -13,6 +13,7 @@ pub mod arc_rule;
 pub mod contour;
 pub mod cutting;
 pub mod cycle;
+pub mod flattened;
 pub mod linking;
 pub mod measure;
 pub mod motion_time;

@@ -54,7 +54,7 @@ pub fn svg(scene: &Scene) -> String {
             if let Some(mesh) = mesh {
                 out += &format!("<g class=\"relief\">\n{}</g>\n", faces::draw(mesh, &isometric));
             }
-            out += &strokes(&paths);
+            out += &strokes("isometric", &paths);
             out += &ends(scene, &isometric);
             out += "</g>\n";
             if let Some(mesh) = mesh {
@@ -99,13 +99,14 @@ fn trace(
 ) -> Option<Paths> {
     let mut pens = Class::ALL.map(|_| Pen::new(raster_mm));
     let is_within = |pens: &[Pen]| pens.iter().map(Pen::bytes).sum::<usize>() <= max_bytes;
-    let Drawing { relief, surface, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
+    let Drawing { relief, surface, walls, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
         scene.drawing;
     let sides = relief.as_ref().map(sides).unwrap_or_default();
     let polylines = [
         (Class::Band, band),
         (Class::Solid, solids),
         (Class::Wire, &sides),
+        (Class::Wall, walls),
         (Class::Wire, surface),
         (Class::ToolAxis, tool_axes),
         (Class::Curve, curve),

@@ -9,6 +9,7 @@ use toolpathd_core::toolpath::Role;
 pub enum Class {
     Band,
     Solid,
+    Wall,
     Wire,
     ToolAxis,
     Curve,
@@ -25,9 +26,10 @@ pub enum Class {
 }
 
 impl Class {
-    pub const ALL: [Class; 15] = [
+    pub const ALL: [Class; 16] = [
         Class::Band,
         Class::Solid,
+        Class::Wall,
         Class::Wire,
         Class::ToolAxis,
         Class::Curve,
@@ -48,6 +50,7 @@ impl Class {
         match self {
             Class::Band => "band",
             Class::Solid => "body-edge",
+            Class::Wall => "wall",
             Class::Wire => "wire",
             Class::ToolAxis => "tool-axis",
             Class::Curve => "curve",
@@ -69,6 +72,7 @@ impl Class {
         match self {
             Class::Band => "band",
             Class::Solid => "stock, walls, fixtures",
+            Class::Wall => "wall, island",
             Class::Wire => "surface",
             Class::ToolAxis => "tool axis, at even times",
             Class::Curve => "curve",
@@ -91,6 +95,7 @@ impl Class {
         match self {
             Class::Band => "stroke:#8a8a8a;stroke-width:.13;stroke-dasharray:1 .6;stroke-linecap:butt",
             Class::Solid => "stroke:#6a4a2a;stroke-width:.25;stroke-dasharray:3 .8 .4 .8;stroke-linecap:butt",
+            Class::Wall => "stroke:#000;stroke-width:.25",
             Class::Wire => "stroke:#8a8a8a;stroke-width:.13",
             Class::ToolAxis => "stroke:#c7895b;stroke-width:.18",
             Class::Curve => "stroke:#000;stroke-width:.13",

@@ -175,13 +175,21 @@ fn ticks(low: f64, high: f64, intervals: f64) -> Vec<(f64, String)> {
     (0..=count).map(|k| (value(k), with_decimals(value(k), step.decimals()))).collect()
 }
 
-/// The path data of a course. Of each column of the paper it holds the least and the largest value.
-fn line(course: &[[f64; 2]], place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
+/// A course in at most so many columns of the same time, each with its least and its largest value.
+pub fn thinned(course: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
+    match course.last() {
+        Some([end, _]) if course.len() > 2 * most => extremes(course.iter().copied(), end / most as f64),
+        _ => course.to_vec(),
+    }
+}
+
+/// Of each column of the width the places with the least and the largest second coordinate.
+fn extremes(places: impl Iterator<Item = [f64; 2]>, width: f64) -> Vec<[f64; 2]> {
     let mut kept: Vec<[f64; 2]> = Vec::new();
     let mut column: Vec<[f64; 2]> = Vec::new();
     let mut of = f64::NEG_INFINITY;
-    for at in course.iter().map(|own| place(*own)) {
-        let own = (at[0] / COLUMN_MM).floor();
+    for at in places {
+        let own = (at[0] / width).floor();
         if own > of {
             flush(&mut column, &mut kept);
             of = own;
@@ -189,6 +197,12 @@ fn line(course: &[[f64; 2]], place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
         column.push(at);
     }
     flush(&mut column, &mut kept);
+    kept
+}
+
+/// The path data of a course. Of each column of the paper it holds the least and the largest value.
+fn line(course: &[[f64; 2]], place: impl Fn([f64; 2]) -> [f64; 2]) -> String {
+    let kept = extremes(course.iter().map(|own| place(*own)), COLUMN_MM);
     let mut data = String::new();
     for (k, [x, y]) in kept.iter().enumerate() {
         data += &format!("{}{} {}", if k == 0 { "M" } else { "L" }, fixed(*x), fixed(*y));

@@ -3,8 +3,7 @@
 //!
 //! # Method
 //! 1. Passes become strips of lines along their curves (`path`).
-//! 2. The cutter is turned about its axis (`turned`); the stock is a box or a prism of the caller's
-//!    triangles.
+//! 2. The cutter is turned about its axis (`turned`); part and stock are the caller's triangles.
 //! 3. All numbers go into one buffer with the description of its parts (`container`).
 //!
 //! # Coordinates
@@ -15,6 +14,7 @@
 //! # Guarantees
 //! * Each point of a curve lies within the chord of [`Content::chord_mm`] of the strip, or of the wider
 //!   chord that the file states. A strip has its vertices on the curves, to single precision.
+//! * Diagrams keep the least and the largest value of each short time.
 //! * The same content gives the same bytes.
 //!
 //! # Degenerate input
@@ -22,8 +22,8 @@
 //! scene.
 //!
 //! # Cost
-//! O(n) for n vertices. There are at most [`MOST_VERTICES`] vertices of curves, or one for each move if
-//! that is more.
+//! O(n) for n vertices. Where there are more than [`MOST_VERTICES`] vertices, the chord is made wider, up to
+//! [`WIDEST_MM`]: what remains then is about one vertex for each move, and those of very large arcs.
 
 mod container;
 mod path;
@@ -34,6 +34,7 @@ mod turned;
 use nalgebra::{Point3, Vector3};
 use serde_json::{Map, Value, json};
 
+use super::diagram::{Diagram, thinned};
 use container::{Document, Look, Mode};
 use path::Arrays;
 use toolpathd_core::toolpath::Toolpath;
@@ -48,8 +49,14 @@ pub const CHORD_MM: f64 = 1e-3;
 /// Most vertices on curves before their chord is made wider.
 pub const MOST_VERTICES: usize = 2_000_000;
 
+/// The widest chord, mm: wider ones save few vertices.
+pub const WIDEST_MM: f64 = 1.0;
+
 /// Farther from the origin than this, the root node moves the part, mm. Single precision is 6e-5 mm there.
 const FAR_MM: f64 = 1000.0;
+
+/// Most parts of the time of a diagram; each has two values at most.
+const MOST_COLUMNS: usize = 2000;
 
 /// The kinds of stretches, in the order of the numbers in the file.
 pub const KINDS: [&str; 9] =
@@ -65,6 +72,14 @@ pub struct Triangles {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// The raw part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stock {
+    pub triangles: Triangles,
+    /// Whether the picture assumes its size, because the caller has not told it.
+    pub is_assumed: bool,
+}
+
 /// What a file shows.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
@@ -77,8 +92,10 @@ pub struct Content<'a> {
     /// What is told of passes: from the pass with the index on, up to the next.
     pub names: &'a [(usize, String)],
     pub part: Option<&'a Triangles>,
-    pub stock: Option<&'a Triangles>,
+    pub stock: Option<&'a Stock>,
     pub tool: Option<(&'a Tool, &'a ToolBody)>,
+    /// Quantities over time.
+    pub diagrams: &'a [Diagram],
     /// The chord of curves, mm.
     pub chord_mm: f64,
 }
@@ -91,10 +108,17 @@ pub fn glb(content: &Content) -> Vec<u8> {
     about.insert("metres_per_unit".into(), json!(container::METRES));
     about.insert("up".into(), json!("z"));
     let mut nodes = Vec::new();
-    for (name, mesh, look) in [("part", content.part, Look::Part), ("stock", content.stock, Look::Stock)] {
+    let stock = content.stock.map(|stock| &stock.triangles);
+    for (name, mesh, look) in [("part", content.part, Look::Part), ("stock", stock, Look::Stock)] {
         if let Some(mesh) = mesh.filter(|mesh| !mesh.triangles.is_empty()) {
             nodes.push(solid(&mut document, name, mesh, look));
         }
+    }
+    if let Some(Stock { is_assumed, .. }) = content.stock {
+        about.insert("stock_is_assumed".into(), json!(is_assumed));
+    }
+    if !content.diagrams.is_empty() {
+        about.insert("diagrams".into(), content.diagrams.iter().map(diagram).collect());
     }
     if let Some((tool, body)) = content.tool {
         let mesh = turned::cutter(tool, body);
@@ -124,10 +148,17 @@ fn solid(document: &mut Document, name: &str, mesh: &Triangles, look: Look) -> u
     document.node(json!({ "name": name }), Some(mesh), &[])
 }
 
+/// A diagram in the description of the file.
+fn diagram(Diagram { name, before, after }: &Diagram) -> Value {
+    let [before, after] = [before, after].map(|course| thinned(course, MOST_COLUMNS));
+    json!({ "name": name, "before": before, "after": after })
+}
+
 /// The place from which coordinates in the buffer count, mm.
 fn origin(content: &Content) -> Point3<f64> {
     let bounds = content.toolpath.map(|toolpath| measure(toolpath, content.rapid_feed).bounds);
-    let solids = [content.part, content.stock].into_iter().flatten().flat_map(|mesh| &mesh.points);
+    let stock = content.stock.map(|stock| &stock.triangles);
+    let solids = [content.part, stock].into_iter().flatten().flat_map(|mesh| &mesh.points);
     let corners = bounds.iter().flat_map(|Bounds { min, max }| [min, max]);
     let mut all = solids.chain(corners);
     let Some(first) = all.next() else { return Point3::origin() };

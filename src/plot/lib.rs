@@ -38,6 +38,8 @@ mod marks;
 mod number;
 mod pen;
 mod relief;
+pub mod solid;
+pub mod stl;
 #[cfg(test)]
 mod tests;
 pub mod text;
@@ -76,6 +78,8 @@ pub struct Drawing {
     pub relief: Option<Mesh>,
     /// Wires of a surface.
     pub surface: Vec<Vec<Point3<f64>>>,
+    /// The walls and the islands of a pocket.
+    pub walls: Vec<Vec<Point3<f64>>>,
     /// Designed curves.
     pub curve: Vec<Vec<Point3<f64>>>,
     /// The edges of places that stay uncut.
@@ -107,7 +111,7 @@ impl Drawing {
     fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
         let shaded = self.relief.iter().flat_map(Mesh::points);
         let lines = self.surface.iter().chain(&self.curve).chain(&self.uncut).chain(&self.band);
-        let all = lines.chain(&self.tool_axes).chain(&self.solids).flatten();
+        let all = lines.chain(&self.tool_axes).chain(&self.solids).chain(&self.walls).flatten();
         all.chain(&self.joints).chain(&self.poses).chain(&self.findings).chain(shaded)
     }
 }
@@ -140,7 +144,7 @@ pub fn svg(scene: &Scene) -> String {
                     out += &format!("<g class=\"relief\">\n{relief}</g>\n");
                 }
                 out += &axes::draw(view, &layout);
-                out += &strokes(paths);
+                out += &strokes(view.id, paths);
                 out += &marks::draw(scene, view);
                 out += "</g>\n";
             }
@@ -185,11 +189,12 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
     let is_within = |pens: &[[Pen; Class::ALL.len()]; 3]| {
         pens.iter().flatten().map(Pen::bytes).sum::<usize>() <= max_bytes
     };
-    let Drawing { relief: _, surface, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
+    let Drawing { relief: _, surface, walls, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
         scene.drawing;
     let polylines = [
         (Class::Band, band),
         (Class::Solid, solids),
+        (Class::Wall, walls),
         (Class::Wire, surface),
         (Class::ToolAxis, tool_axes),
         (Class::Curve, curve),
@@ -244,7 +249,15 @@ fn used(paths: &Paths) -> Vec<Class> {
         .collect()
 }
 
-fn strokes(paths: &[String; Class::ALL.len()]) -> String {
+/// The paths of a view, each with an id and a title, so that a page can style and explain it.
+fn strokes(view: &str, paths: &[String; Class::ALL.len()]) -> String {
     let elements = Class::ALL.iter().zip(paths).filter(|(_, data)| !data.is_empty());
-    elements.map(|(class, data)| format!("<path class=\"{}\" d=\"{data}\"/>\n", class.name())).collect()
+    elements
+        .map(|(class, data)| {
+            let (name, label) = (class.name(), class.label());
+            format!(
+                "<path class=\"{name}\" d=\"{data}\" id=\"{view}-{name}\"><title>{label}</title></path>\n"
+            )
+        })
+        .collect()
 }

@@ -23,30 +23,23 @@ mod v1;
 
 use std::io;
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::Router;
-use axum::http::{HeaderName, HeaderValue, Method, header};
 use axum::middleware::{from_fn, from_fn_with_state};
 use tokio::net::TcpListener;
 use tower::util::option_layer;
 use tower_http::catch_panic::CatchPanicLayer;
-use tower_http::cors::CorsLayer;
 
-use answer::{compression, encoded, timing};
+use answer::compression;
 pub use app::App;
 pub use dto::verification::{DIGESTED, SCHEMA as RECEIPT_SCHEMA};
 pub use openapi::contract;
-use request::{request_id, retry, trace};
 use service::envelope::Directory;
-use service::{admission, answer_memory, docs, envelope, guard, observe, repeated_key};
+use service::{admission, answer_memory, cors, docs, envelope, guard, observe, repeated_key};
 pub use v1::programs_verify::receipt_of;
 
 /// The version of the service. The same request to the same version gives the same bytes.
 pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
-
-/// How long a browser may remember what pages of another origin may do.
-const PREFLIGHT_AGE: Duration = Duration::from_secs(3600);
 
 /// Serves `router` until `stop` resolves, and then drains: see `connection::serve`.
 ///
@@ -75,40 +68,7 @@ pub fn router(app: &Arc<App>) -> Router {
         .layer(from_fn_with_state(openapi::unanswered as Directory, envelope::wrap))
         .layer(from_fn_with_state(Arc::clone(&app.answer_memory), answer_memory::hold))
         .layer(from_fn(repeated_key::repeat_key))
-        .layer(option_layer(cors(&app.cors_origins)))
+        .layer(option_layer(cors::layer(&app.cors_origins)))
+        .layer(from_fn_with_state(Arc::clone(&app.cors_origins), cors::refuse_unlisted))
         .layer(from_fn_with_state(Arc::clone(&app.metrics), observe::observe))
-}
-
-/// Lets pages of these origins call the service and read the headers of its answers. `None` without origins.
-///
-/// [`PREFLIGHT_AGE`] spares a browser the question before each request.
-fn cors(origins: &[HeaderValue]) -> Option<CorsLayer> {
-    const EXPOSED: [HeaderName; 11] = [
-        request_id::HEADER,
-        envelope::ENGINE_VERSION_HEADER,
-        trace::HEADER,
-        header::CONTENT_DISPOSITION,
-        header::CONTENT_ENCODING,
-        header::RETRY_AFTER,
-        encoded::WARNINGS,
-        compression::REPR_DIGEST,
-        timing::SERVER_TIMING,
-        retry::IDEMPOTENCY_KEY,
-        retry::JOB_ORDER_ID,
-    ];
-    const ALLOWED: [HeaderName; 6] = [
-        header::ACCEPT,
-        header::CONTENT_TYPE,
-        header::CONTENT_ENCODING,
-        request_id::HEADER,
-        trace::HEADER,
-        retry::IDEMPOTENCY_KEY,
-    ];
-    let layer = CorsLayer::new()
-        .allow_origin(origins.to_vec())
-        .allow_methods([Method::GET, Method::POST, Method::PUT])
-        .allow_headers(ALLOWED)
-        .expose_headers(EXPOSED)
-        .max_age(PREFLIGHT_AGE);
-    (!origins.is_empty()).then_some(layer)
 }

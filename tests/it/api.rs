@@ -20,6 +20,7 @@ mod mtconnect;
 mod negotiation;
 mod operation;
 mod outlines;
+mod page;
 mod points;
 mod programs;
 mod reading;

@@ -99,7 +99,7 @@ pub use check::{Exception, Invalid};
 pub use doubts::{Doubt, doubts};
 pub use job::{
     ChooseBy, Emptied, EntryLimits, Finish, FinishFloor, FinishWalls, IslandsBy, Job, Lead, LeadKind,
-    LevelOrder, Load, Milling, Only, Outlines, Pattern, Regions, Relief, Sequence,
+    LevelOrder, Load, Milling, Only, Outlines, Pattern, Regions, Relief, Sequence, Standing,
 };
 pub use labelling::MOST_CELLS;
 pub use level::{Island, MOST_LEVELS, MOST_RADII, Uncut};

@@ -4,7 +4,7 @@ use nalgebra::{Point3, UnitVector3};
 use serde_json::json;
 
 use super::container::{Document, Mode};
-use super::{Content, KINDS, MOST_VERTICES};
+use super::{Content, KINDS, MOST_VERTICES, WIDEST_MM};
 use toolpathd_core::geometry::curve::Curve;
 use toolpathd_core::geometry::flatten::flatten;
 use toolpathd_core::toolpath::Toolpath;
@@ -13,9 +13,6 @@ use toolpathd_core::toolpath::tool_axes::{angle_between, between};
 
 /// The chord is made this much wider where there are too many vertices.
 const WIDER: f64 = 4.0;
-/// The widest chord, mm: wider ones save few vertices.
-const WIDEST_MM: f64 = 1.0;
-
 /// The largest turn of the tool axis between two vertices, radians.
 const LARGEST_TURN: f64 = 0.05;
 
@@ -68,9 +65,17 @@ pub struct Strip {
 /// The strips of a toolpath, and the chord that they keep, mm.
 pub fn strips(toolpath: &Toolpath, content: &Content) -> (Strips, f64) {
     let mut chord_mm = content.chord_mm;
-    while chord_mm < WIDEST_MM && count(toolpath, chord_mm) > MOST_VERTICES {
-        chord_mm *= WIDER;
+    loop {
+        let most = if chord_mm < WIDEST_MM { MOST_VERTICES } else { usize::MAX };
+        match strips_within(toolpath, content, chord_mm, most) {
+            Some(strips) => return (strips, chord_mm),
+            None => chord_mm *= WIDER,
+        }
     }
+}
+
+/// The strips within a chord; none where they have more than `most` vertices and fewer are possible.
+fn strips_within(toolpath: &Toolpath, content: &Content, chord_mm: f64, most: usize) -> Option<Strips> {
     let mut strips = Strips { has_times: true, ..Strips::default() };
     let shared = toolpath.passes().len().div_ceil(MOST_NODES).max(1);
     let mut walk = Walk { chord_mm, content, is_leaning: !toolpath.is_upright(), seconds: 0.0, n_moves: 0 };
@@ -82,18 +87,13 @@ pub fn strips(toolpath: &Toolpath, content: &Content) -> (Strips, f64) {
         }
         at = walk.follow(&mut strips, pass).unwrap_or(at);
         strips.end();
+        // One vertex for each move is needed at any chord.
+        if strips.places.len() > most.max(2 * walk.n_moves) {
+            return None;
+        }
     }
     strips.passes.retain(|strip| strip.count > 1);
-    (strips, chord_mm)
-}
-
-/// About the number of vertices.
-fn count(toolpath: &Toolpath, chord_mm: f64) -> usize {
-    let own = |step: &Move| match step {
-        Move::Feed { along, .. } => points(along, chord_mm).len() - 1,
-        Move::Rapid { .. } | Move::Turn { .. } | Move::Dwell { .. } => 1,
-    };
-    toolpath.moves().map(own).sum()
+    Some(strips)
 }
 
 /// The points of a curve whose chords stay within `chord_mm` of it, or its ends where it needs too many.

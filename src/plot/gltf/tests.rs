@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::*;
+use crate::solid;
 use toolpathd_core::geometry::curve::Direction;
 use toolpathd_core::geometry::plane::Plane;
 use toolpathd_core::toolpath::path::Role;
@@ -86,6 +87,7 @@ fn content(toolpath: Option<&Toolpath>) -> Content<'_> {
         part: None,
         stock: None,
         tool: None,
+        diagrams: &[],
         chord_mm: CHORD_MM,
     }
 }
@@ -215,4 +217,19 @@ fn too_many_vertices_make_the_chord_wider_and_the_file_says_so() {
     let chord_mm = file.node("part")["extras"]["chord_mm"].as_f64().unwrap();
     assert!(chord_mm > CHORD_MM && chord_mm <= 1.0, "{chord_mm}");
     assert!(file.places("pass 1").len() <= MOST_VERTICES + 601);
+}
+
+#[test]
+fn diagrams_are_thinned_and_keep_their_extremes_and_an_assumed_stock_is_told() {
+    let course: Vec<[f64; 2]> =
+        (0..50_000).map(|k| [f64::from(k), if k == 31_234 { 9.0 } else { 0.5 }]).collect();
+    let diagrams = [Diagram { name: "feed, mm/min".into(), before: Vec::new(), after: course }];
+    let stock = Stock { triangles: solid::block([0.0; 3].into(), [1.0; 3].into()), is_assumed: true };
+    let content = Content { diagrams: &diagrams, stock: Some(&stock), ..content(None) };
+    let file = File::read(&glb(&content));
+    let about = &file.node("part")["extras"];
+    let after = about["diagrams"][0]["after"].as_array().unwrap();
+    assert!(after.len() <= 2 * MOST_COLUMNS + 2 && after.contains(&json!([31_234.0, 9.0])));
+    assert_eq!((&about["stock_is_assumed"], &about["diagrams"][0]["before"]), (&json!(true), &json!([])));
+    assert_eq!(file.places("stock").len(), 24);
 }

@@ -6,7 +6,7 @@
 pub mod compression;
 pub mod encoded;
 pub mod events;
-mod model;
+pub mod model;
 mod page;
 pub mod program_stream;
 pub mod sending;
@@ -32,7 +32,7 @@ use utoipa::ToSchema;
 use super::byte_limit::ByteLimit;
 use super::compute::{Compute, Failure, Size, Step};
 use super::decode::{IntoJob, SentJob};
-use super::dto::answer::{Answer, Head, NoMembers, PathMembers};
+use super::dto::answer::{Answer, Head, NoMembers, PathMembers, PointMembers};
 use super::dto::check::MAX_MAGNITUDE_MM;
 use super::dto::meta::Meta;
 use super::dto::setup::Setup;
@@ -45,17 +45,20 @@ use super::request::retry;
 use crate::config::Limits;
 use encoded::Encoded;
 use events::Begun;
+use model::Solids;
 use small_job::SmallJob;
 use stages::Stages;
 use timing::{SERVER_TIMING, Timing};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::cutting::{Caution, Cutting};
+use toolpathd_core::toolpath::flattened::Points;
 use toolpathd_core::toolpath::measure::{Bounds, measure, measure_on};
 use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_plot::Drawing;
 use toolpathd_plot::bars::BarChart;
 use toolpathd_plot::diagram::Diagram;
+use toolpathd_plot::gltf::{CHORD_MM, MOST_VERTICES};
 use toolpathd_post::PassNote;
 use written::{gcode, program_for};
 
@@ -88,6 +91,19 @@ pub trait Product {
 
     /// Charts of times, which a page shows below the picture.
     fn charts(&self) -> &[BarChart] {
+        &[]
+    }
+
+    /// Part and stock in three dimensions.
+    ///
+    /// # Errors
+    /// The budget's stop.
+    fn solids(&self, _: &Budget) -> Result<Solids, ApiError> {
+        Ok(Solids::default())
+    }
+
+    /// For each move the line of the program that was read, from 1 on; empty where no program was read.
+    fn read_lines(&self) -> &[u32] {
         &[]
     }
 
@@ -312,18 +328,18 @@ fn represent<R: Serialize + ToSchema, P: Product>(
     let codes = warning_codes(&outcome.warnings);
     let job_order = retry::job_order(outcome.meta.as_ref());
     let program = program_for(&outcome, form, budget)?;
-    let model = form.wants_model().then(|| {
-        let lines = program.as_ref().map(|program| program.move_lines.as_slice());
-        model::file(&outcome, lines.unwrap_or_default())
-    });
+    let lines = program.as_ref().map_or(outcome.product.read_lines(), |program| &program.move_lines);
+    let model = form.wants_model().then(|| model::file(&outcome, lines, budget)).transpose()?;
     let nc = program.filter(|_| form.with_nc || form.representation == Representation::Gcode);
     let nc = nc.map(|program| program.text);
     let encoded = match form.representation {
         Representation::Json | Representation::Events => {
             let glb = model.map(|bytes| BASE64_STANDARD.encode(bytes));
-            Encoded::json(&Answer { glb, ..envelope(outcome, nc, form) })
+            let points = polyline(&outcome, form);
+            Encoded::json(&Answer { glb, points, ..envelope(outcome, nc, form) })
         }
-        Representation::Glb => Ok(Encoded::glb(model.unwrap_or_default())),
+        Representation::Glb => Ok(Encoded::binary(model.unwrap_or_default(), form.media_type)),
+        Representation::Stl => Ok(Encoded::binary(model::triangles_file(&outcome, budget)?, form.media_type)),
         Representation::Gcode => gcode(&outcome, nc.unwrap_or_default(), form.media_type),
         Representation::Svg => {
             let picture = if !outcome.product.diagrams().is_empty() {
@@ -350,9 +366,15 @@ fn represent<R: Serialize + ToSchema, P: Product>(
     Ok(encoded.warning_of(&codes).for_job_order(job_order))
 }
 
+/// The path as points, where the caller wants them.
+fn polyline<R, P: Product>(outcome: &Outcome<R, P>, form: &Form) -> Option<PointMembers> {
+    let cut = outcome.product.cut().filter(|_| form.with_points)?;
+    Some(Points::of(&cut.toolpath, CHORD_MM, MOST_VERTICES).into())
+}
+
 /// The JSON answer: its head, the report and the members of the product.
 fn envelope<R, P: Product>(outcome: Outcome<R, P>, nc: Option<String>, form: &Form) -> Answer<R, P::Members> {
     let Outcome { meta, warnings, report, product, drawing: _ } = outcome;
     let head = Head::new(meta, warnings);
-    Answer { head, report, members: product.members(nc, form), glb: None }
+    Answer { head, report, members: product.members(nc, form), glb: None, points: None }
 }

@@ -36,7 +36,7 @@ pub struct App {
     /// The memory for answers that wait for their callers.
     pub(super) answer_memory: Arc<ByteLimit>,
     pub(super) hosts: Arc<Hosts>,
-    pub(super) cors_origins: Vec<HeaderValue>,
+    pub(super) cors_origins: Arc<[HeaderValue]>,
     pub(super) metrics: Arc<Metrics>,
     pub(super) connections: Connections,
     pub(super) draining: Draining,
@@ -73,7 +73,7 @@ impl App {
             admission: Admission { compute: Arc::clone(&compute), heads, bodies },
             answer_memory,
             hosts: Arc::new(Hosts::new(&settings.host)),
-            cors_origins: settings.cors_origin.clone(),
+            cors_origins: settings.cors_origin.clone().into(),
             connections: Connections::new(settings, Arc::clone(&metrics)),
             metrics,
             draining: Draining::default(),

@@ -135,7 +135,7 @@ impl Code {
         match self {
             Code::BadRequest => "The request is not understood",
             Code::InvalidQuery => "A query parameter is not legal",
-            Code::OriginRefused => "Pages of this origin may not send programs",
+            Code::OriginRefused => "Pages of this origin may not do this",
             Code::HostRefused => "The service is not known under this host name",
             Code::MalformedJson => "The body is not JSON",
             Code::NotFound => "There is nothing at this path",

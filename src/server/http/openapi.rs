@@ -124,6 +124,11 @@ async fn get_contract(headers: HeaderMap) -> Result<Encoded, ApiError> {
 
 /// The contract as formatted JSON.
 pub fn contract() -> String {
+    format!("{:#}", document())
+}
+
+/// The contract.
+pub fn document() -> Value {
     let mut openapi = routes().into_openapi();
     // No licence is chosen.
     openapi.info.license = None;
@@ -132,5 +137,5 @@ pub fn contract() -> String {
     additions::tidy(&mut document);
     directions::tell_apart(&mut document);
     examples::add(&mut document);
-    format!("{document:#}")
+    document
 }

@@ -5,7 +5,6 @@ mod contract;
 mod script;
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::sync::LazyLock;
 
 use axum::Router;
@@ -16,11 +15,10 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use rust_embed::Embed;
 use sha2::{Digest, Sha256};
 
+use crate::http::answer::compression;
 use crate::http::error::{ApiError, Code};
 use crate::http::openapi;
 use crate::http::request::accept::takes_gzip;
@@ -52,7 +50,7 @@ struct File {
 /// files of two versions of the service.
 static FILES: LazyLock<BTreeMap<String, File>> = LazyLock::new(|| {
     let embedded = Files::iter().filter_map(|name| Some((name.to_string(), File::named(&name)?)));
-    let contract = serde_json::from_str(&openapi::contract()).unwrap_or_default();
+    let contract = openapi::document();
     let contract = File::new(JSON, contract::reduced(&contract).to_string().into_bytes());
     embedded.chain(contract.map(|file| (CONTRACT.to_owned(), file))).collect()
 });
@@ -75,12 +73,10 @@ impl File {
 
     fn new(media_type: &'static str, data: Vec<u8>) -> Option<Self> {
         let digest = BASE64_STANDARD.encode(&Sha256::digest(&data)[..12]);
-        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-        encoder.write_all(&data).ok()?;
         Some(Self {
             media_type,
             tag: HeaderValue::from_str(&format!("\"{digest}\"")).ok()?,
-            coded: encoder.finish().ok()?.into(),
+            coded: compression::gzip_once(&data).ok()?.into(),
             plain: data.into(),
         })
     }

@@ -6,6 +6,7 @@
 
 pub mod admission;
 pub mod answer_memory;
+pub mod cors;
 mod counted_body;
 pub mod docs;
 pub mod envelope;

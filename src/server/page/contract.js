@@ -8,7 +8,7 @@
  * @typedef {object} Operation
  * @property {string} id  the contract's `operationId`
  * @property {string} path  such as `/v1/arcs/fit`
- * @property {string} title  one sentence
+ * @property {string} title  one sentence, without its full stop
  * @property {string} help
  * @property {Schema} schema  of the JSON body
  * @property {Param[]} params
@@ -86,7 +86,7 @@ function operationOf(path, item, resolve) {
   return {
     id: post.operationId ?? path,
     path,
-    title: post.summary ?? path,
+    title: (post.summary ?? path).replace(/\.$/, ""),
     help: post.description ?? "",
     schema: json.schema,
     params: paramsOf([...(item.parameters ?? []), ...(post.parameters ?? [])], resolve),

@@ -1,33 +1,24 @@
-// Figures as people read them: names in words, units, and at most four digits that matter.
+// Figures as people read them: at most four digits that matter, and times.
 
-/** Endings of names, with their units and a factor. */
-const UNITS = /** @type {const} */ ([
-  ["_mm_per_min", "mm/min"], ["_mm_per_s2", "mm/s²"], ["_mm_per_s3", "mm/s³"], ["_mm_per_s", "mm/s"],
-  ["_deg_per_s", "°/s"], ["_per_mm", "1/mm"], ["_mm3", "mm³"], ["_mm2", "mm²"], ["_mm", "mm"], ["_deg", "°"], ["_rpm", "1/min"],
-  ["_s", "s"], ["_percent", "%"],
-]);
-
-/** The unit that a name ends with; an empty text without one. @param {string} name */
-export function unitOf(name) {
-  return UNITS.find(([ending]) => name.endsWith(ending))?.[1] ?? "";
-}
-
-/** A name in words, without its unit. @param {string} name */
-export function wordsOf(name) {
-  const ending = UNITS.find(([ending]) => name.endsWith(ending))?.[0] ?? "";
-  const words = name.slice(0, name.length - ending.length).replace(/^n_/, "number of ").replaceAll("_", " ").trim();
-  return words === "" ? name : words.charAt(0).toUpperCase() + words.slice(1);
-}
-
-/** A number with four digits that matter. @param {number} value */
+/** A number with four digits that matter. Whole numbers may count something, so they keep all. @param {number} value */
 export function digits(value) {
   if (!Number.isFinite(value)) return String(value);
-  if (Number.isInteger(value)) return value.toLocaleString("en");
   const size = Math.abs(value);
-  if (size >= 10_000) return Math.round(value).toLocaleString("en");
+  if (size >= 1e15) return value.toExponential(3);
+  // Adding 0 makes 0 of -0.
+  if (Number.isInteger(value)) return (value + 0).toLocaleString("en");
+  if (size >= 1000) return Number(value.toPrecision(4)).toLocaleString("en");
   if (size < 1e-4) return value.toExponential(2);
   const after = Math.min(6, Math.max(0, 3 - Math.floor(Math.log10(size))));
   return String(Number(value.toFixed(after)));
+}
+
+/** A number in little room: large ones as a power of ten. @param {number} value */
+export function shortDigits(value) {
+  if (Math.abs(value) < 1e5) return digits(value);
+  const [factor = "", power = ""] = value.toExponential(3).split("e+");
+  const raised = [...power].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(digit)]).join("");
+  return `${Number(factor)}·10${raised}`;
 }
 
 /** A time in words. @param {number} seconds */

@@ -1,5 +1,6 @@
 // Reads the binary glTF file of an answer: the path with its times, and the triangles of the solids.
 
+/** @import { Diagram } from "./charts/course.js" */
 /** @import { MeshData, PathData } from "./view/types.js" */
 
 import { KINDS } from "./view/types.js";
@@ -20,7 +21,12 @@ const FLOAT = 5126;
  * @typedef {object} Model
  * @property {PathData | null} path
  * @property {Map<string, MeshData>} solids by the names of their nodes
+ * @property {boolean} isStockAssumed whether the service chose the size of the stock
+ * @property {Diagram[]} diagrams
  */
+
+/** The model of an answer without a file. @type {Model} */
+export const NO_MODEL = { path: null, solids: new Map(), isStockAssumed: false, diagrams: [] };
 
 class Reader {
   /** @param {ArrayBuffer} file */
@@ -29,21 +35,22 @@ class Reader {
     if (file.byteLength < HEADER_BYTES || view.getUint32(0, true) !== MAGIC) throw new Error("no binary glTF file");
     /** @type {Description | null} */
     let json = null;
-    let bytes = new ArrayBuffer(0);
+    let start = file.byteLength;
     for (let at = HEADER_BYTES; at + 8 <= file.byteLength;) {
       const length = view.getUint32(at, true);
       const kind = view.getUint32(at + 4, true);
       if (kind === JSON_CHUNK) json = JSON.parse(new TextDecoder().decode(new Uint8Array(file, at + 8, length)));
-      if (kind === BIN_CHUNK) bytes = file.slice(at + 8, at + 8 + length);
+      if (kind === BIN_CHUNK) start = at + 8;
       at += 8 + length;
     }
     if (json === null) throw new Error("the glTF file has no description");
     this.json = json;
-    this.bytes = bytes;
+    this.bytes = file;
+    this.start = start;
     const root = this.node(json.scenes[0]?.nodes[0] ?? 0);
     this.children = (root.children ?? []).map((k) => this.node(k));
-    const extras = root.extras ?? {};
-    this.scale = 1 / Number(extras["metres_per_unit"] ?? 1);
+    this.extras = root.extras ?? {};
+    this.scale = 1 / Number(this.extras["metres_per_unit"] ?? 1);
     const [x = 0, y = 0, z = 0] = root.translation ?? [];
     // The root turns z of the part to y.
     this.origin = [x * this.scale, -z * this.scale, y * this.scale];
@@ -61,7 +68,7 @@ class Reader {
     const accessor = index === undefined ? undefined : this.json.accessors?.[index];
     const view = accessor && this.json.bufferViews?.[accessor.bufferView];
     if (accessor === undefined || view === undefined) throw new Error("the glTF file lacks numbers");
-    return { ...accessor, from: (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0) };
+    return { ...accessor, from: this.start + (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0) };
   }
 
   /** The numbers of an accessor, without a copy. @param {number | undefined} index */
@@ -106,15 +113,25 @@ export function readModel(file) {
     if (node.name === "path") path = readPath(reader, node);
     else if (primitive !== undefined) solids.set(node.name ?? "", solid(reader, primitive, node.name === "cutter"));
   }
-  return { path, solids };
+  const { stock_is_assumed: isStockAssumed, diagrams } = reader.extras;
+  return {
+    path, solids, isStockAssumed: isStockAssumed === true,
+    diagrams: Array.isArray(diagrams) ? diagrams.map(diagram) : [],
+  };
+}
+
+/** @param {Partial<Diagram>} told @returns {Diagram} */
+function diagram({ name = "", before = [], after = [] }) {
+  return { name, before, after };
 }
 
 /** @param {Reader} reader @param {Primitive} primitive @param {boolean} isFree of the origin of the part */
 function solid(reader, primitive, isFree) {
   const metres = reader.floats(primitive.attributes["POSITION"]);
   const positions = isFree ? metres.map((x) => x * reader.scale) : reader.places(metres);
-  const normals = reader.floats(primitive.attributes["NORMAL"]);
-  return { positions, normals, indices: reader.indices(primitive.indices) };
+  // Copies, so that the whole file need not be kept for them.
+  const normals = reader.floats(primitive.attributes["NORMAL"]).slice();
+  return { positions, normals, indices: reader.indices(primitive.indices).slice() };
 }
 
 /** @param {Reader} reader @param {Node} node @returns {PathData | null} */
@@ -128,11 +145,12 @@ function readPath(reader, node) {
     kinds: new Uint8Array(count),
     feeds: new Float32Array(count),
     blocks: new Uint32Array(count),
-    deviations: null,
+    deviations: /** @type {Float32Array | null} */ (null),
     axes: /** @type {Float32Array | null} */ (null),
     strips: /** @type {PathData["strips"]} */ ([]),
   };
   let first = 0;
+  // People count passes and levels from 1.
   for (const [k, pass] of passes.entries()) {
     const attributes = reader.primitive(pass)?.attributes;
     if (attributes === undefined) continue;
@@ -142,6 +160,10 @@ function readPath(reader, node) {
       ["_FEED", path.feeds], ["_BLOCK", path.blocks]])) {
       if (attributes[name] !== undefined) numbers.set(reader.floats(attributes[name]), first);
     }
+    if (attributes["_DEVIATION"] !== undefined) {
+      path.deviations ??= new Float32Array(count).fill(NaN);
+      path.deviations.set(reader.floats(attributes["_DEVIATION"]), first);
+    }
     if (attributes["_AXIS"] !== undefined) {
       path.axes ??= new Float32Array(3 * count);
       path.axes.set(reader.floats(attributes["_AXIS"]), 3 * first);
@@ -149,7 +171,7 @@ function readPath(reader, node) {
     const level = pass.extras?.["level"];
     const length = places.length / 3;
     path.strips.push({
-      first, count: length, name: pass.name ?? "", pass: k, level: typeof level === "number" ? level : null,
+      first, count: length, name: pass.name ?? "", pass: k + 1, level: typeof level === "number" ? level + 1 : null,
     });
     first += length;
   }
@@ -166,22 +188,14 @@ function vertices(reader, pass) {
 
 /** The bytes of a text in base64. @param {string} text @returns {ArrayBuffer} */
 export function bytesOf(text) {
-  const parts = [];
+  const padding = text.endsWith("==") ? 2 : text.endsWith("=") ? 1 : 0;
+  const bytes = new Uint8Array((text.length >> 2) * 3 - padding);
   // Groups of four characters stand for three bytes each.
   const step = 4 << 18;
-  let length = 0;
+  let to = 0;
   for (let at = 0; at < text.length; at += step) {
     const decoded = atob(text.slice(at, at + step));
-    const part = new Uint8Array(decoded.length);
-    for (let k = 0; k < decoded.length; k++) part[k] = decoded.charCodeAt(k);
-    parts.push(part);
-    length += part.length;
-  }
-  const bytes = new Uint8Array(length);
-  let at = 0;
-  for (const part of parts) {
-    bytes.set(part, at);
-    at += part.length;
+    for (let k = 0; k < decoded.length; k++) bytes[to++] = decoded.charCodeAt(k);
   }
   return bytes.buffer;
 }

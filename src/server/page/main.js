@@ -4,11 +4,13 @@
 /** @import { Answer } from "./run.js" */
 
 import { exampleOf, loadContract } from "./contract.js";
+import { button, el } from "./dom.js";
 import { RequestForm } from "./form/form.js";
 import { JsonText } from "./form/json.js";
 import { digits } from "./figures.js";
 import { fragmentOf, requestOf } from "./link.js";
 import { ProgramText } from "./nc.js";
+import { opened, withText } from "./open.js";
 import { Picture } from "./picture.js";
 import { showReport } from "./report.js";
 import { Problem, address, curl, run } from "./run.js";
@@ -20,8 +22,12 @@ const FORMS = /** @type {const} */ ([
   ["json", "application/json"], ["svg", "image/svg+xml"], ["glb", "model/gltf-binary"], ["html", "text/html"],
 ]);
 
-/** The operation that reads programs, and the largest program that is sent as it is, in characters. */
+/** Where request, picture and answer stand one below the other. */
+const NARROW = "(max-width: 1000px)";
+/** The operation that reads programs. */
 const READING = "/v1/programs/read";
+/** A larger file is not read, bytes: browsers hold no longer texts. */
+const LARGEST_FILE = 400_000_000;
 
 /** @template {HTMLElement} T @param {string} id @param {new () => T} kind @returns {T} */
 function byId(id, kind) {
@@ -53,6 +59,8 @@ class Page {
     /** @type {string | null} */
     this.fileUrl = null;
     this.operation = this.fillOperations();
+    /** The example that is fetched. @type {Promise<void>} */
+    this.chosen = Promise.resolve();
   }
 
   fillOperations() {
@@ -74,8 +82,8 @@ class Page {
     byId("copy-curl", HTMLButtonElement).addEventListener("click", () => this.copyCurl());
     byId("copy-link", HTMLButtonElement).addEventListener("click", () => this.copyLink());
     byId("open", HTMLInputElement).addEventListener("change", (event) => {
-      const { files } = /** @type {HTMLInputElement} */ (event.target);
-      if (files?.[0]) this.openFile(files[0]);
+      const input = /** @type {HTMLInputElement} */ (event.target);
+      if (input.files?.[0]) this.openFile(input.files[0]).finally(() => (input.value = ""));
     });
     document.addEventListener("dragover", (event) => event.preventDefault());
     document.addEventListener("drop", (event) => {
@@ -100,6 +108,7 @@ class Page {
     this.listen();
     if (!(await this.follow(location.hash))) await this.chooseOperation(this.operation.path);
     this.runButton.disabled = false;
+    document.body.classList.remove("not-yet");
     if (this.status.textContent === TEXTS.loading) this.tell(TEXTS.ready);
   }
 
@@ -128,7 +137,18 @@ class Page {
   }
 
   /** @param {string} name */
-  async chooseExample(name) {
+  chooseExample(name) {
+    const ask = byId("ask", HTMLElement);
+    ask.setAttribute("aria-busy", "true");
+    const chosen = this.fetchExample(name).catch((error) => this.fail(error, false)).finally(() => {
+      if (this.chosen === chosen) ask.removeAttribute("aria-busy");
+    });
+    this.chosen = chosen;
+    return chosen;
+  }
+
+  /** @param {string} name */
+  async fetchExample(name) {
     this.examples.value = name;
     const { operation } = this;
     const body = name === "" ? {} : await exampleOf(operation, name);
@@ -169,6 +189,8 @@ class Page {
   }
 
   async run() {
+    // A request that is still fetched is the one that people mean.
+    await this.chosen;
     this.controller?.abort();
     const controller = new AbortController();
     this.controller = controller;
@@ -186,6 +208,9 @@ class Page {
           this.progress.value = fraction;
           this.tell(TEXTS.stage(stage.replaceAll("_", " "), Math.round(100 * fraction)));
         },
+      }).catch((error) => {
+        // Where no answer comes, browsers throw a TypeError.
+        throw error instanceof TypeError ? new Error(TEXTS.noService) : error;
       });
       this.show(answer, operation, body);
       const seconds = digits((performance.now() - begun) / 1000);
@@ -209,20 +234,52 @@ class Page {
       this.form.setErrors(error.errors);
       return this.tell(TEXTS.refused(error.errors.length));
     }
-    this.tell(TEXTS.failed(error instanceof Error ? error.message : String(error)));
+    const detail = error instanceof Error ? error.message : String(error);
+    this.tell(TEXTS.failed(detail || TEXTS.brokenOff));
   }
 
   /** @param {Answer} answer @param {Operation} operation @param {unknown} body */
   show(answer, operation, body) {
+    byId("hint", HTMLParagraphElement).hidden = true;
+    if (matchMedia(NARROW).matches) byId("see", HTMLElement).scrollIntoView();
     this.picture.show(answer.glb, /** @type {Record<string, unknown>} */ (body));
     const text = answer.nc ?? (operation.path === READING ? ownProgram(body) : undefined);
     this.program.set(text ?? TEXTS.noProgram);
-    showReport(byId("report", HTMLElement), answer);
+    showReport(byId("report", HTMLElement), answer, this.picture.charts.element);
     openTab(byId(text === undefined ? "tab-report" : "tab-program", HTMLElement));
     this.offer(text, operation, body);
+    if (this.picture.view === null) this.showSheet(operation, body);
   }
 
-  /** Offers the program and the other forms of the answer as files. @param {string | undefined} text @param {Operation} operation @param {unknown} body */
+  /**
+   * Shows the flat drawing of an answer, where the browser has no picture in three dimensions.
+   * @param {Operation} operation
+   * @param {unknown} body
+   */
+  async showSheet(operation, body) {
+    const sheet = byId("sheet", HTMLImageElement);
+    if (!operation.forms.includes("image/svg+xml")) return void (sheet.hidden = true);
+    const response = await this.ask(operation, body, "svg");
+    if (!response.ok) return;
+    URL.revokeObjectURL(sheet.src);
+    sheet.src = URL.createObjectURL(await response.blob());
+    sheet.alt = TEXTS.sheet;
+    sheet.hidden = false;
+  }
+
+  /** Asks for another form of an answer. @param {Operation} operation @param {unknown} body @param {string} form */
+  ask(operation, body, form) {
+    return fetch(address(operation.path, { format: form }), {
+      method: "POST", body: JSON.stringify(body), headers: { "content-type": "application/json" },
+    });
+  }
+
+  /**
+   * Offers the program and the other forms of the answer as files.
+   * @param {string | undefined} text
+   * @param {Operation} operation
+   * @param {unknown} body
+   */
   offer(text, operation, body) {
     const link = byId("download", HTMLAnchorElement);
     if (this.fileUrl !== null) URL.revokeObjectURL(this.fileUrl);
@@ -231,26 +288,17 @@ class Page {
     if (this.fileUrl === null) link.removeAttribute("href");
     else link.href = this.fileUrl;
     link.download = "program.nc";
-    const forms = FORMS.filter(([, type]) => operation.forms.includes(type)).map(([form]) => {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = TEXTS.downloads[form];
-      button.addEventListener("click", () => this.download(operation, body, form));
-      return button;
-    });
+    const forms = FORMS.filter(([, type]) => operation.forms.includes(type))
+      .map(([form]) => button(TEXTS.downloads[form], () => this.download(operation, body, form)));
     byId("downloads", HTMLParagraphElement).replaceChildren(...forms);
   }
 
-  /** Asks for another form of the answer, and saves it. @param {Operation} operation @param {unknown} body @param {string} form */
+  /** Saves another form of the answer. @param {Operation} operation @param {unknown} body @param {string} form */
   async download(operation, body, form) {
     this.tell(TEXTS.running);
-    const response = await fetch(address(operation.path, { format: form }), {
-      method: "POST", body: JSON.stringify(body), headers: { "content-type": "application/json" },
-    });
+    const response = await this.ask(operation, body, form);
     if (!response.ok) return this.tell(TEXTS.failed(`${response.status}`));
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(await response.blob());
-    link.download = `answer.${form}`;
+    const link = el("a", { href: URL.createObjectURL(await response.blob()), download: `answer.${form}` });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
     this.tell(TEXTS.ready);
@@ -285,22 +333,33 @@ class Page {
     }
   }
 
-  /** A request as JSON, or the text of a program. @param {File} file */
+  /** A request as JSON, a program, a CL file, or rows of numbers. @param {File} file */
   async openFile(file) {
-    const text = await file.text();
-    /** @type {unknown} */
-    let body = null;
-    try {
-      body = JSON.parse(text);
-    } catch {
-      const isProgram = /^[\s%(;:]*[A-Z]?\s*[-+.\d]*|^\s*BEGIN PGM/im.test(text) && /[GXYZLM]\s*[-+.\d]/i.test(text);
-      if (!isProgram) return this.tell(this.form.takePoints(text) ? TEXTS.opened(file.name) : TEXTS.notJson(file.name));
-      body = { nc: text };
-      await this.chooseOperation(READING, body);
+    if (file.size > LARGEST_FILE) return this.tell(TEXTS.fileTooLarge(file.name));
+    const { kind, text, value } = opened(await file.text());
+    if (kind === "unknown") return this.tell(TEXTS.notUnderstood(file.name));
+    if (kind === "table") return this.openTable(file.name, text);
+    if (kind === "json") {
+      this.examples.value = "";
+      this.set(value);
+      return this.tell(TEXTS.openedRequest(file.name, this.operation.title));
     }
-    this.examples.value = "";
-    this.set(body);
-    this.tell(TEXTS.opened(file.name));
+    const request = withText(this.contract, this.operation, this.body, kind, text);
+    if (request === null) return this.tell(TEXTS.notUnderstood(file.name));
+    await this.chooseOperation(request.operation.path, request.body);
+    this.tell(TEXTS.openedProgram(file.name, request.operation.title));
+  }
+
+  /** Puts the rows of a file into the form. @param {string} name @param {string} text */
+  openTable(name, text) {
+    const taken = this.form.takePoints(text);
+    if (taken === null) {
+      const titles = this.form.withTables().slice(0, 3).map((title) => `“${title}”`).join(", ");
+      return this.tell(TEXTS.noTable(name, titles));
+    }
+    openTab(byId("tab-form", HTMLElement));
+    this.tell(TEXTS.openedTable(name, taken.label, taken.columns.join(", "), taken.note));
+    taken.show();
   }
 }
 

@@ -21,6 +21,8 @@ export class ProgramText {
     this.starts = new Uint32Array([0]);
     this.lit = 0;
     this.first = 0;
+    /** Parts of a line that the wheel has turned already. */
+    this.turned = 0;
     this.spacer = document.createElement("div");
     this.gutter = document.createElement("div");
     this.bar = document.createElement("div");
@@ -35,6 +37,7 @@ export class ProgramText {
     new ResizeObserver(() => this.draw()).observe(host);
     this.spacer.addEventListener("click", (event) => this.click(event));
     host.addEventListener("keydown", (event) => this.key(event));
+    host.addEventListener("wheel", (event) => this.turn(event), { passive: false });
   }
 
   get nLines() {
@@ -63,7 +66,9 @@ export class ProgramText {
 
   draw() {
     const { lineHeight, pitch, nLines } = this;
-    this.spacer.style.height = `${Math.max(1, nLines * pitch)}px`;
+    // With the last lines at the lower edge the first one that is seen has to stand at its place.
+    const rest = this.host.clientHeight * (1 - pitch / lineHeight);
+    this.spacer.style.height = `${Math.max(1, nLines * pitch + rest)}px`;
     const isWhole = nLines <= WHOLE_LINES;
     const seen = Math.ceil(this.host.clientHeight / lineHeight) || 40;
     const top = Math.floor(this.host.scrollTop / pitch);
@@ -74,7 +79,7 @@ export class ProgramText {
     const numbers = [];
     for (let k = this.first; k < end; k++) numbers.push(k + 1);
     this.gutter.textContent = numbers.join("\n");
-    const offset = isWhole ? 0 : this.host.scrollTop - (top - this.first) * lineHeight;
+    const offset = isWhole ? 0 : this.host.scrollTop - (this.host.scrollTop / pitch - this.first) * lineHeight;
     this.offset = offset;
     for (const part of [this.element, this.gutter]) part.style.transform = `translateY(${offset}px)`;
     this.bar.hidden = !(this.lit > this.first && this.lit <= end);
@@ -98,12 +103,11 @@ export class ProgramText {
   /** The next line with a text behind the lit line, round the end; 0 where there is none. @param {string} wanted */
   find(wanted) {
     if (wanted === "") return 0;
-    const text = this.text.toUpperCase();
-    const needle = wanted.toUpperCase();
-    const from = this.starts[this.lit] ?? 0;
-    let at = text.indexOf(needle, from);
-    if (at < 0) at = text.indexOf(needle);
-    return at < 0 ? 0 : this.lineAt(at);
+    // A pattern needs no copy of the text in capitals.
+    const pattern = new RegExp(wanted.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"), "gi");
+    pattern.lastIndex = this.starts[this.lit] ?? 0;
+    const found = pattern.exec(this.text) ?? pattern.exec(this.text);
+    return found === null ? 0 : this.lineAt(found.index);
   }
 
   /** The line of a character, counted from 1. @param {number} at */
@@ -116,6 +120,19 @@ export class ProgramText {
       else high = middle;
     }
     return low + 1;
+  }
+
+  /** Moves the lines under the wheel as far as in a short text, where the scroll bar would skip many.
+   * @param {WheelEvent} event */
+  turn(event) {
+    const { lineHeight, pitch } = this;
+    if (pitch === lineHeight || event.ctrlKey || event.shiftKey || event.deltaY === 0) return;
+    event.preventDefault();
+    const inLines = [event.deltaY / lineHeight, event.deltaY, event.deltaY * (this.host.clientHeight / lineHeight)];
+    this.turned += inLines[event.deltaMode] ?? 0;
+    const lines = Math.trunc(this.turned);
+    this.turned -= lines;
+    this.host.scrollTop = (Math.round(this.host.scrollTop / pitch) + lines) * pitch;
   }
 
   /** @param {MouseEvent} event */

@@ -6,8 +6,9 @@ export function tabs(list) {
   for (const [k, tab] of all.entries()) {
     tab.addEventListener("click", () => select(all, tab));
     tab.addEventListener("keydown", (event) => {
-      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-      const next = step === undefined ? undefined : all[(k + step + all.length) % all.length];
+      const { length } = all;
+      const to = { ArrowRight: (k + 1) % length, ArrowLeft: (k + length - 1) % length, Home: 0, End: length - 1 }[event.key];
+      const next = all[to ?? -1];
       if (next === undefined) return;
       event.preventDefault();
       select(all, next);

@@ -1,59 +1,83 @@
 // The controls of the picture: views, projection, what is shown, and colours.
 
 /** @import { View } from "./view/view.js" */
-/** @import { ColorBy, LegendRow } from "./view/types.js" */
+/** @import { ColorBy, LegendRow, PathData } from "./view/types.js" */
 
+import { button, el } from "./dom.js";
 import { digits } from "./figures.js";
 import { TEXTS } from "./texts.js";
 
 /**
- * Fills the toolbar.
- * @param {HTMLElement} host
- * @param {View} view
- * @param {() => void} onchange after what is shown has changed
+ * Why a body cannot be shown; null where it can.
+ * @typedef {Record<"part" | "stock" | "tool" | "material", string | null>} Obstacles
  */
-export function fillToolbar(host, view, onchange) {
-  const views = document.createElement("select");
-  views.setAttribute("aria-label", TEXTS.picture);
-  for (const [name, text] of Object.entries(TEXTS.views)) views.add(new Option(text, name));
-  views.addEventListener("change", () => view.look(/** @type {Parameters<View["look"]>[0]} */ (views.value)));
-  const fit = button(TEXTS.fit, () => view.fit());
-  const perspective = check(TEXTS.perspective, true, (isOn) => view.setProjection(isOn ? "perspective" : "orthographic"));
-  const shown = Object.entries(TEXTS.show).map(([name, text]) =>
-    check(text, true, (isOn) => view.setVisible(name, isOn)));
-  const material = check(TEXTS.material, false, (isOn) => {
-    view.setMaterial(isOn);
-    onchange();
-  });
-  const colors = document.createElement("select");
-  for (const [name, text] of Object.entries(TEXTS.colors)) colors.add(new Option(text, name));
-  colors.addEventListener("change", () => {
-    view.setColor(/** @type {ColorBy} */ (colors.value));
-    onchange();
-  });
-  const label = document.createElement("label");
-  label.append(`${TEXTS.colorBy} `, colors);
-  host.replaceChildren(views, fit, perspective, ...shown, material, label);
+
+export class Toolbar {
+  /** @param {HTMLElement} host @param {View} view @param {() => void} onchange after what is shown has changed */
+  constructor(host, view, onchange) {
+    this.view = view;
+    this.onchange = onchange;
+    this.colors = el("select", { change: () => this.#color() });
+    const views = el("select", { "aria-label": TEXTS.picture, change: () => view.look(views.value) },
+      ...Object.entries(TEXTS.views).map(([name, text]) => new Option(text, name)));
+    const perspective = check(TEXTS.perspective, true, (isOn) => view.setProjection(isOn ? "perspective" : "orthographic"));
+    this.shown = {
+      part: check(TEXTS.show.part, true, (isOn) => view.setVisible("part", isOn)),
+      stock: check(TEXTS.show.stock, true, (isOn) => view.setVisible("stock", isOn)),
+      tool: check(TEXTS.show.tool, true, (isOn) => view.setVisible("tool", isOn)),
+      material: check(TEXTS.material, false, (isOn) => {
+        view.setMaterial(isOn);
+        onchange();
+      }),
+    };
+    host.replaceChildren(views, button(TEXTS.fit, () => view.fit()), perspective.label,
+      ...Object.values(this.shown).map(({ label }) => label), el("label", {}, `${TEXTS.colorBy} `, this.colors));
+  }
+
+  /**
+   * Offers what there is to show of an answer.
+   * @param {PathData | null} path @param {Obstacles} obstacles @param {boolean} isStockAssumed by the service
+   */
+  offer(path, obstacles, isStockAssumed) {
+    for (const name of /** @type {(keyof Obstacles)[]} */ (Object.keys(obstacles))) {
+      const { label, box, reason } = this.shown[name];
+      const obstacle = obstacles[name];
+      box.disabled = obstacle !== null;
+      label.title = obstacle ?? (name === "stock" && isStockAssumed ? TEXTS.assumedStock : "");
+      reason.textContent = label.title === "" ? "" : `: ${label.title}`;
+    }
+    const chosen = this.colors.value;
+    const names = colorings(path);
+    this.colors.replaceChildren(...names.map((name) => new Option(TEXTS.colors[name], name)));
+    this.colors.value = names.find((name) => name === chosen) ?? "kind";
+    if (this.colors.value !== chosen) this.#color();
+  }
+
+  #color() {
+    this.view.setColor(/** @type {ColorBy} */ (this.colors.value));
+    this.onchange();
+  }
 }
 
-/** @param {string} text @param {() => void} onclick */
-function button(text, onclick) {
-  const made = document.createElement("button");
-  made.type = "button";
-  made.textContent = text;
-  made.addEventListener("click", onclick);
-  return made;
+/** What the moves of a path differ in. @param {PathData | null} path @returns {ColorBy[]} */
+function colorings(path) {
+  const { strips = [], deviations = null } = path ?? {};
+  return [
+    "kind", "feed", ...(deviations === null ? [] : /** @type {const} */ (["deviation"])),
+    ...(strips.some(({ level }) => level !== null) ? /** @type {const} */ (["level"]) : []),
+    ...(strips.length > 1 ? /** @type {const} */ (["pass"]) : []),
+  ];
 }
 
-/** @param {string} text @param {boolean} isOn @param {(isOn: boolean) => void} onchange */
+/**
+ * A box to check. `reason` is read by screen readers only.
+ * @param {string} text @param {boolean} isOn @param {(isOn: boolean) => void} onchange
+ */
 function check(text, isOn, onchange) {
-  const label = document.createElement("label");
-  const box = document.createElement("input");
-  box.type = "checkbox";
+  const box = el("input", { type: "checkbox", change: () => onchange(box.checked) });
   box.checked = isOn;
-  box.addEventListener("change", () => onchange(box.checked));
-  label.append(box, ` ${text}`);
-  return label;
+  const reason = el("span", { class: "seen-not" });
+  return { label: el("label", {}, box, ` ${text}`, reason), box, reason };
 }
 
 /**
@@ -67,20 +91,15 @@ export function showLegend(host, view) {
 
 /** @param {LegendRow} row @param {View} view @param {() => void} onchange */
 function legendRow(row, view, onchange) {
-  const swatch = document.createElement("span");
-  swatch.className = row.dashed ? "swatch dashed" : "swatch";
+  const swatch = el("span", { class: row.dashed ? "swatch dashed" : "swatch" });
   swatch.style.background = row.colors.length > 1 ? `linear-gradient(to right, ${row.colors.join(", ")})` : row.colors[0] ?? "";
   const range = row.from === null || row.to === null ? "" : ` ${digits(row.from)} – ${digits(row.to)} ${row.unit}`;
   const { key } = row;
-  if (key === null) {
-    const line = document.createElement("p");
-    line.append(swatch, ` ${row.label}${range}`);
-    return line;
-  }
-  const line = check(`${row.label}${range}`, row.visible, (isOn) => {
+  if (key === null) return el("p", {}, swatch, ` ${row.label}${range}`);
+  const { label, box } = check(`${row.label}${range}`, row.visible, (isOn) => {
     view.setVisible(key, isOn);
     onchange();
   });
-  line.insertBefore(swatch, line.lastChild);
-  return line;
+  box.after(swatch);
+  return label;
 }

@@ -11,6 +11,9 @@ use super::support::{MILL, ONE_PASS, Server, app, connect, post, write};
 
 const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
 
+const ISLAND: &str = include_str!("../../../openapi/examples/pockets-plan/island.json");
+const REGIONS: &str = include_str!("../../../openapi/examples/pockets-plan/regions.json");
+
 /// Most tries of what must be quick. A busy machine delays some of them, and what is slow of itself is slow
 /// in all.
 const TRIES: usize = 5;
@@ -27,9 +30,14 @@ fn die_at(stepover_mm: f64) -> String {
 
 /// Sends a milling request with the id `one` and asks for events.
 fn ask(address: SocketAddr, body: &str) -> TcpStream {
+    ask_at(address, MILL, body)
+}
+
+/// Sends a request with the id `one` and asks for events.
+fn ask_at(address: SocketAddr, path: &str, body: &str) -> TcpStream {
     let mut stream = connect(address);
     let head = format!(
-        "POST {MILL} HTTP/1.1\r\nHost: here\r\nX-Request-Id: one\r\nAccept: text/event-stream\r\n\
+        "POST {path} HTTP/1.1\r\nHost: here\r\nX-Request-Id: one\r\nAccept: text/event-stream\r\n\
          Accept-Encoding: gzip\r\nContent-Length: {}\r\n\r\n",
         body.len()
     );
@@ -91,6 +99,12 @@ async fn progress_events_come_stage_by_stage_and_the_result_comes_last() {
     assert_eq!(last.0, "result");
     let plain = post(&app, MILL, body, &[("x-request-id", "one")]).await.json();
     assert!(last.1 == plain, "the result is not the JSON answer");
+    assert_eq!(stages(progress), ["sections", "material left", "certificate"]);
+    server.stop().await;
+}
+
+/// The stages of progress, each of which comes once and only rises.
+fn stages(progress: &[(String, Value)]) -> Vec<&str> {
     let mut stages: Vec<&str> = Vec::new();
     let mut done = 0;
     for (name, data) in progress {
@@ -107,7 +121,20 @@ async fn progress_events_come_stage_by_stage_and_the_result_comes_last() {
         assert_eq!(data["fraction"], now as f64 / total as f64);
         done = now;
     }
-    assert_eq!(stages, ["sections", "material left", "certificate"]);
+    stages
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn pockets_tell_their_patterns_and_several_pockets_their_regions() {
+    let app = app(&["--workers", "2"]);
+    let server = Server::start(&app).await;
+    let address = server.address;
+    for (body, stage) in [(ISLAND, "patterns"), (REGIONS, "regions")] {
+        let (_, events) = aside(move || events(&mut ask_at(address, "/v1/pockets/plan", body))).await;
+        let (last, progress) = events.split_last().expect("events");
+        assert_eq!((last.0.as_str(), stages(progress)), ("result", vec![stage]));
+        assert_eq!(progress.last().expect("progress").1["fraction"], 1.0);
+    }
     server.stop().await;
 }
 

@@ -166,6 +166,7 @@ async fn every_example_is_answered_in_every_form_of_its_endpoint() {
                 "svg" => ("image/svg+xml", "<svg"),
                 "html" => ("text/html", "<!DOCTYPE"),
                 "glb" => ("model/gltf-binary", "glTF"),
+                "stl" => ("model/stl", "binary STL"),
                 "events" => ("text/event-stream", "event: progress"),
                 other => panic!("the form {other} is not known to this test"),
             };

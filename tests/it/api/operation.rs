@@ -103,9 +103,14 @@ async fn only_pages_of_configured_origins_may_call() {
     const ALLOW_ORIGIN: &str = "access-control-allow-origin";
     let (mes, set) = ("https://mes.example", ["--workers", "1", "--cors-origin", "https://mes.example"]);
     assert_eq!(allowed(&set, mes).await.header(ALLOW_ORIGIN), mes);
-    assert!(allowed(&set, mes).await.header("access-control-allow-headers").contains("content-type"));
-    assert_eq!(allowed(&set, "https://mes.example.evil").await.header(ALLOW_ORIGIN), "");
-    assert_eq!(allowed(&["--workers", "1"], mes).await.header(ALLOW_ORIGIN), "");
+    for name in ["content-type", "authorization"] {
+        assert!(allowed(&set, mes).await.header("access-control-allow-headers").contains(name));
+    }
+    for (flags, origin) in [(&set[..], "https://mes.example.evil"), (&["--workers", "1"], mes)] {
+        let refused = allowed(flags, origin).await;
+        assert_eq!((refused.header(ALLOW_ORIGIN), refused.code().as_str()), ("", "origin_refused"));
+        assert!(refused.text().contains(&format!("--cors-origin {origin}")), "{}", refused.text());
+    }
     let problem = post(&app(&set), MILL, "{", &[("origin", mes)]).await;
     assert_eq!((problem.header(ALLOW_ORIGIN), problem.code().as_str()), (mes, "malformed_json"));
 }

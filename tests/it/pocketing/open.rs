@@ -4,7 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use toolpathd_core::budget::Budget;
-use toolpathd_core::operations::pocketing::{Finish, FinishWalls, Job, Outlines, Pattern, Plan, plan};
+use toolpathd_core::operations::pocketing::{
+    Finish, FinishWalls, Job, Outlines, Pattern, Plan, Standing, plan,
+};
 use toolpathd_core::toolpath::Role;
 
 use super::cases::{self, Case, PATTERNS, elements, job, polygon};
@@ -317,9 +319,13 @@ fn walls_beside_open_edges_are_finished_beyond_both_ends() {
 #[test]
 fn what_is_outside_the_stock_is_not_cut() {
     let body = face();
-    let stock = Outlines { boundary: elements(&polygon(&box_of(-5.0, -5.0, 45.0, 60.0))), islands: vec![] };
+    let standing = |corners: [f64; 4]| {
+        let [x, y, width, height] = corners;
+        let boundary = elements(&polygon(&box_of(x, y, width, height)));
+        Some(Standing { outlines: Outlines { boundary, islands: vec![] }, bottom_z_mm: -50.0 })
+    };
     let whole = planned(&body.job(&PATTERNS));
-    let half = planned(&Job { stock: Some(stock), ..body.job(&PATTERNS) });
+    let half = planned(&Job { stock: standing([-5.0, -5.0, 45.0, 60.0]), ..body.job(&PATTERNS) });
     let cut = |plan: &Plan| plan.report.total_time_s;
     assert!(cut(&half) < 0.75 * cut(&whole), "{} of {}", cut(&half), cut(&whole));
     // Stock stands in front of the left half: there the sides count as walls.
@@ -334,8 +340,8 @@ fn what_is_outside_the_stock_is_not_cut() {
         .filter(|motion| is_below_top(motion))
         .fold(0.0, |most, motion| f64::max(most, motion.piece.at(1.0)[0]));
     assert!(rightmost < 60.0, "{rightmost}");
-    let nowhere = Outlines { boundary: elements(&polygon(&box_of(200.0, 0.0, 10.0, 10.0))), islands: vec![] };
-    assert!(plan(&Job { stock: Some(nowhere), ..body.job(&PATTERNS) }, &Budget::unlimited()).is_err());
+    let nowhere = standing([200.0, 0.0, 10.0, 10.0]);
+    assert!(plan(&Job { stock: nowhere, ..body.job(&PATTERNS) }, &Budget::unlimited()).is_err());
 }
 
 /// Random numbers that are the same in every run.

@@ -1,13 +1,16 @@
 // Runs every example of every operation on the page, in Chromium, and breaks requests on purpose.
-// Usage: browser.mjs ADDRESS [NAME ...]     NAME: only examples whose "PATH NAME" contains it
+// Usage: browser.mjs ADDRESS [NAME ...]     NAME: only examples whose "PATH NAME" contains it; "checks": only the checks behind
+// With SHOTS=FOLDER in the environment it saves pictures of the page there.
 
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import {
+  accessible, agreement, cancelling, keyboard, pasting, pictures, randomEdits, steady, upright, wrongFields,
+} from "./checks.mjs";
+import { keepAnswers, kindsDrawn, missing } from "./pixels.mjs";
 
 const require = createRequire(process.env.PAGE_TOOLS);
 const { chromium } = require("playwright-core");
-const { PNG } = require("pngjs");
-const axeText = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 
 const [address, ...only] = process.argv.slice(2);
 const MOST_BYTES = 150_000;
@@ -40,9 +43,18 @@ page.on("response", async (response) => {
   if (sizes !== null) transferred += sizes.responseBodySize;
 });
 
+await page.addInitScript(keepAnswers);
+
 async function open() {
   await page.goto(`${address}/`);
   await page.waitForFunction(() => !document.querySelector("#run").disabled);
+}
+
+/** Chooses an operation, and one of its examples or its first, and waits for the request. */
+async function choose(path, name) {
+  await page.selectOption("#operation", path);
+  if (name !== undefined) await page.selectOption("#example", name);
+  await page.waitForSelector("#ask:not([aria-busy])");
 }
 
 /** Runs the request that stands on the page. Returns the status text at the end. */
@@ -50,18 +62,6 @@ async function run() {
   await page.click("#run");
   await page.waitForFunction(() => document.querySelector("#cancel").disabled, null, { timeout: 120_000 });
   return page.textContent("#status");
-}
-
-/** The number of pixels of the canvas that differ from its most frequent colour. */
-async function drawn() {
-  await page.waitForTimeout(200);
-  const { data } = PNG.sync.read(await page.locator("#picture").screenshot());
-  const counts = new Map();
-  for (let k = 0; k < data.length; k += 4) {
-    const color = (data[k] << 16) | (data[k + 1] << 8) | data[k + 2];
-    counts.set(color, (counts.get(color) ?? 0) + 1);
-  }
-  return data.length / 4 - Math.max(...counts.values());
 }
 
 await open();
@@ -73,19 +73,21 @@ const contract = await (await fetch(`${address}/openapi.json`)).json();
 const operations = await page.$$eval("#operation option", (options) => options.map((one) => one.value));
 let count = 0;
 for (const path of operations) {
-  await page.selectOption("#operation", path);
-  const examples = await page.$$eval("#example option", (options) => options.map((one) => one.value).filter((name) => name !== ""));
-  for (const name of examples.filter((name) => only.length === 0 || only.some((part) => `${path} ${name}`.includes(part)))) {
+  await choose(path);
+  const examples = await page.$$eval("#example option", (options) => options.map((one) => one.value));
+  const isMeant = (name) => only.length === 0 || only.some((part) => `${path} ${name}`.includes(part));
+  for (const name of examples.filter((name) => name !== "" && isMeant(name))) {
     count += 1;
-    await page.selectOption("#example", name);
+    await choose(path, name);
     const status = await run();
-    if (!status.startsWith("done")) {
+    if (!status.startsWith("Done")) {
       fault(`${path} ${name}: ${status}`);
       continue;
     }
     await compare(path, name);
-    const pixels = await drawn();
-    if (pixels < LEAST_PIXELS) fault(`${path} ${name}: the canvas shows nothing`);
+    const kinds = await kindsDrawn(page);
+    if (kinds === null) fault(`${path} ${name}: the answer has no model`);
+    for (const what of await missing(page, LEAST_PIXELS, kinds ?? [])) fault(`${path} ${name}: ${what}`);
   }
 }
 console.log(`${count} examples on the page`);
@@ -93,7 +95,8 @@ console.log(`${count} examples on the page`);
 /** The text of the file that the page saves; null where it offers none. */
 async function saved() {
   if (await page.getAttribute("#download", "href") === null) return null;
-  const [file] = await Promise.all([page.waitForEvent("download"), page.evaluate(() => document.querySelector("#download").click())]);
+  const press = () => document.querySelector("#download").click();
+  const [file] = await Promise.all([page.waitForEvent("download"), page.evaluate(press)]);
   return readFileSync(await file.path(), "latin1");
 }
 
@@ -112,75 +115,10 @@ async function compare(path, name) {
   if (response.ok && theirs.split("\n").length < 3000 && shown !== theirs) fault(`${path} ${name}: another text in the page`);
 }
 
-/** Three wrong fields are told at their places. */
-async function wrongFields() {
-  await page.selectOption("#operation", "/v1/pockets/plan");
-  await page.selectOption("#example", "island");
-  await page.click("#tab-json");
-  const body = JSON.parse(await page.inputValue("#json"));
-  body.stepover_mm = -1;
-  body.stepdown_max_mm = -2;
-  body.tool.diameter_mm = -3;
-  await page.fill("#json", JSON.stringify(body));
-  const status = await run();
-  if (!status.includes("3 fields")) fault(`three wrong fields: ${status}`);
-  const told = await page.$$eval("[aria-invalid=true]", (fields) => fields.length);
-  if (told !== 3) fault(`${told} fields are marked`);
-}
-
-/** A cancelled computation ends, and its place is free. */
-async function cancelling() {
-  await page.selectOption("#operation", "/v1/pockets/plan");
-  await page.selectOption("#example", "hundred-islands");
-  await page.click("#run");
-  await page.waitForTimeout(300);
-  await page.click("#cancel");
-  await page.waitForFunction(() => document.querySelector("#cancel").disabled);
-  const status = await page.textContent("#status");
-  if (status !== "cancelled") fault(`cancel: ${status}`);
-  for (let k = 0; k < 50; k++) {
-    const metrics = await (await fetch(`${address}/metrics`)).text();
-    if (/running[^\n]* 0(\.0)?\n/.test(metrics)) return;
-    await page.waitForTimeout(100);
-  }
-  fault("the computation goes on after cancel");
-}
-
-/** The form and the JSON agree after an edit of either. */
-async function agreement() {
-  await page.selectOption("#operation", "/v1/pockets/plan");
-  await page.selectOption("#example", "circle");
-  await page.click("#tab-json");
-  const body = JSON.parse(await page.inputValue("#json"));
-  body.stepover_mm = 2.125;
-  await page.fill("#json", JSON.stringify(body, null, 2));
-  await page.click("#tab-form");
-  const shown = await page.$$eval("#form input", (inputs) => inputs.map((input) => input.value));
-  if (!shown.includes("2.125")) fault("the form does not follow the JSON");
-  const inputs = page.locator("#form input");
-  for (let k = 0; k < await inputs.count(); k++) {
-    if (await inputs.nth(k).inputValue() === "2.125") {
-      await inputs.nth(k).fill("2,25");
-      break;
-    }
-  }
-  const after = JSON.parse(await page.inputValue("#json"));
-  if (after.stepover_mm !== 2.25) fault(`the JSON does not follow the form: ${after.stepover_mm}`);
-}
-
-/** axe finds nothing, in light and dark, wide and on a phone. */
-async function accessible() {
-  for (const [colorScheme, viewport] of [["light", { width: 1280, height: 800 }], ["dark", { width: 1280, height: 800 }],
-    ["light", { width: 390, height: 844 }], ["dark", { width: 844, height: 390 }]]) {
-    await page.emulateMedia({ colorScheme });
-    await page.setViewportSize(viewport);
-    await page.evaluate(axeText);
-    const { violations } = await page.evaluate(() => globalThis.axe.run());
-    for (const { id, nodes } of violations) fault(`axe, ${colorScheme}, ${viewport.width}: ${id} at ${nodes[0].target}`);
-  }
-}
-
-for (const check of [wrongFields, cancelling, agreement, accessible]) await check();
+const bench = { page, address, fault, open, choose, run };
+const checks = [wrongFields, cancelling, agreement, randomEdits, accessible, steady, pasting, keyboard, upright];
+for (const check of only.length === 0 || only.includes("checks") ? checks : []) await check(bench);
+if (process.env.SHOTS) await pictures(bench, process.env.SHOTS);
 await browser.close();
 console.log(`${faults} faults`);
 process.exit(faults === 0 ? 0 : 1);

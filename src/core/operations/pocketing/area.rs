@@ -15,7 +15,7 @@ use super::job::{EntryLimits, Job, Only, Pattern};
 use super::level::{Heights, Level, Shape, Stage, levels};
 use super::report::{LevelOutlines, LevelReport};
 use super::router::Run;
-use crate::budget::{Budget, Stopped};
+use crate::budget::{Budget, Progress, Stopped};
 use crate::toolpath::cutting::Cutting;
 
 /// A planned area.
@@ -66,7 +66,7 @@ impl Area {
         let job = elsewhere.as_ref().unwrap_or(job);
         let cutting = job.cutting.above(heights.highest_mm)?;
         let conditions = conditions(job, &heights, &cutting, &levels, shapes.len());
-        let found = routes_of_shapes(job, &shapes, &levels, &conditions, budget)?;
+        let found = routes_of_shapes(job, &shapes, &levels, &conditions, regions.is_none(), budget)?;
         let (mut reports, mut cuts) = (Vec::with_capacity(levels.len()), Vec::with_capacity(levels.len()));
         for (level, conditions) in levels.iter().zip(conditions) {
             let shape = &shapes[level.shape];
@@ -158,28 +158,35 @@ fn conditions(
     levels.iter().map(of_level).collect()
 }
 
-/// For each shape the routes of all patterns; none where the tool fits nowhere.
+/// For each shape the routes of all patterns; none where the tool fits nowhere. Tells the progress of a pocket
+/// that is planned alone.
 fn routes_of_shapes(
     job: &Job,
     shapes: &[Shape],
     levels: &[Level],
     conditions: &[Conditions],
+    is_alone: bool,
     budget: &Budget,
 ) -> Result<Vec<Vec<Found>>, PocketError> {
     let patterns = &job.patterns;
+    let count = shapes.len() * patterns.len();
+    let progress = Progress::new("patterns", if is_alone { count } else { 0 });
     let find = |k: usize| {
         let (shape, pattern) = (k / patterns.len(), patterns[k % patterns.len()]);
         // The conditions of the shape's first level do for all its levels: lifts take about as long on each.
         let level = levels.iter().position(|level| level.shape == shape).ok_or(Stopped::Cancelled)?;
         let is_cut = job.only != Some(Only::Finishing) || levels[level].stage == Stage::Floor;
         if !is_cut || shapes[shape].room.centers.is_empty() {
+            progress.tell_one(budget);
             return Ok((pattern, Ok(Vec::new())));
         }
-        match routes(pattern, &shapes[shape], &conditions[level], budget) {
+        let found = routes(pattern, &shapes[shape], &conditions[level], budget);
+        progress.tell_one(budget);
+        match found {
             Err(PocketError::Stopped(stopped)) => Err(stopped),
             found => Ok((pattern, found.map(|routes| routes.into_iter().map(Arc::new).collect()))),
         }
     };
-    let mut all = budget.in_order(shapes.len() * patterns.len(), find)?.into_iter();
+    let mut all = budget.in_order(count, find)?.into_iter();
     Ok(shapes.iter().map(|_| all.by_ref().take(patterns.len()).collect()).collect())
 }

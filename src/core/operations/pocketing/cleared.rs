@@ -3,7 +3,6 @@
 use super::PocketError;
 use super::chain::from_above;
 use super::job::Emptied;
-use super::outlines::region;
 use super::rings;
 use crate::budget::Budget;
 use crate::geometry::region::Region;
@@ -39,7 +38,7 @@ impl Cleared {
         let (mut regions, mut paths) = (Vec::new(), Vec::new());
         for (k, emptied) in emptied.iter().enumerate() {
             match emptied {
-                Emptied::Region(area) => regions.push(region(area, budget).map_err(|error| match error {
+                Emptied::Region(area) => regions.push(area.region(budget).map_err(|error| match error {
                     PocketError::Outline { island, error } => {
                         PocketError::Cleared { index: k, island, error }
                     }

@@ -188,6 +188,14 @@ pub struct Outlines {
     pub islands: Vec<Vec<Segment>>,
 }
 
+/// Where material stands before the first cut.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Standing {
+    /// In plan, with holes as islands.
+    pub outlines: Outlines,
+    pub bottom_z_mm: f64,
+}
+
 /// The order in which the levels of several regions are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "wire", derive(serde::Deserialize, utoipa::ToSchema), serde(rename_all = "snake_case"))]
@@ -256,8 +264,8 @@ pub struct Job {
     pub area: Option<Outlines>,
     /// The elements of the wall that are open: there the cutter may go beyond the wall, into the air.
     pub open: Vec<Segment>,
-    /// Where material stands in plan, with holes as islands. None: all over the pocket.
-    pub stock: Option<Outlines>,
+    /// The raw part. None: material all over the pocket.
+    pub stock: Option<Standing>,
     /// Several regions in place of one area. They have upright walls, so there is no relief.
     pub regions: Option<Regions>,
     pub relief: Option<Relief>,

@@ -40,7 +40,7 @@ pub struct Opened {
 impl Opened {
     /// `None` for a pocket with closed edges alone whose stock is not known.
     pub fn new(job: &Job, walls: &Walls, budget: &Budget) -> Result<Option<Self>, PocketError> {
-        let stock = job.stock.as_ref().map(|stock| Walls::new(stock, &[], budget)).transpose()?;
+        let stock = job.stock.as_ref().map(|stock| Walls::new(&stock.outlines, &[], budget)).transpose()?;
         let stock = stock.map(|stock| stock.region);
         let radius_mm = job.tool.radius_mm;
         let mut zones = walls.boundary.front(|element| walls.open.has(element), width_mm(job), budget)?;

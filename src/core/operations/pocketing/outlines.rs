@@ -16,9 +16,14 @@ pub const FITTED_MM: f64 = 5e-4;
 /// The most elements of a region.
 const MOST_ELEMENTS: usize = 20_000;
 
-/// The region inside the wall and outside all islands.
-pub fn region(area: &Outlines, budget: &Budget) -> Result<Region, PocketError> {
-    Ok(Walls::new(area, &[], budget)?.region)
+impl Outlines {
+    /// The region inside the wall and outside all islands.
+    ///
+    /// # Errors
+    /// When an outline is none, or the region cannot be computed.
+    pub fn region(&self, budget: &Budget) -> Result<Region, PocketError> {
+        Ok(Walls::new(self, &[], budget)?.region)
+    }
 }
 
 /// The wall of a pocket, its islands, and which stretches of the wall are open.

@@ -29,7 +29,7 @@ use super::cleared::Cleared;
 use super::job::{Emptied, Job, LevelOrder, Outlines, Regions, Sequence};
 use super::join::{Visit, join, whole};
 use super::{Plan, PocketError, entry_place};
-use crate::budget::{Budget, Stopped};
+use crate::budget::{Budget, Progress, Stopped};
 use crate::geometry::region;
 use crate::geometry::segment::Segment;
 use merge::{Merged, merged};
@@ -46,10 +46,13 @@ pub fn plan(job: &Job, regions: &Regions, budget: &Budget) -> Result<Plan, Pocke
     // The mistakes in emptied places are told by their indices in the whole job.
     Cleared::new(&job.cleared, budget)?;
     let shares = Shares::new(job, &merged);
+    let progress = Progress::new("regions", merged.len());
     let area = |k: usize| {
         let Merged { area, of } = &merged[k];
         let job = shares.job(k, area, budget)?;
-        Area::new(&job, Some(of.clone()), budget).map_err(|error| error.of_regions(of))
+        let area = Area::new(&job, Some(of.clone()), budget).map_err(|error| error.of_regions(of));
+        progress.tell_one(budget);
+        area
     };
     let areas = budget.in_order(merged.len(), area)?;
     entry_place::check(&job.entry, areas.iter().flat_map(|area| &area.shapes))?;

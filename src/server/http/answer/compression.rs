@@ -25,10 +25,19 @@ pub fn layer() -> CompressionLayer<impl Predicate> {
     CompressionLayer::new().compress_when(is_streamed)
 }
 
-/// Compresses `body`. The same body always gives the same bytes.
+/// Compresses the body of an answer. The same body always gives the same bytes.
 pub fn gzip(body: &[u8]) -> std::io::Result<Vec<u8>> {
     // Toolpaths shrink to a third or less at any level, and time on the pool costs more than bytes.
-    let mut encoder = GzEncoder::new(Vec::with_capacity(body.len() / 4), Compression::fast());
+    compressed(body, Compression::fast())
+}
+
+/// Compresses what is sent often, as far as possible.
+pub fn gzip_once(body: &[u8]) -> std::io::Result<Vec<u8>> {
+    compressed(body, Compression::best())
+}
+
+fn compressed(body: &[u8], level: Compression) -> std::io::Result<Vec<u8>> {
+    let mut encoder = GzEncoder::new(Vec::with_capacity(body.len() / 4), level);
     encoder.write_all(body)?;
     encoder.finish()
 }

@@ -14,7 +14,7 @@ use super::compression::{self, MIN_CODED_BYTES, REPR_DIGEST};
 use crate::http::byte_limit::{ByteLimit, HeldBytes};
 use crate::http::error::{ApiError, Code};
 use crate::http::request::coding::GZIP;
-use crate::http::request::representation::{GCODE, GLB, JSON};
+use crate::http::request::representation::{GCODE, JSON};
 use crate::http::request::retry::JOB_ORDER_ID;
 use toolpathd_post::Dialect;
 
@@ -60,9 +60,9 @@ impl Encoded {
         Self { disposition: disposition.ok(), ..Self::plain(content_type, text.into()) }
     }
 
-    /// A binary glTF file.
-    pub fn glb(bytes: Vec<u8>) -> Self {
-        Self::plain(HeaderValue::from_static(GLB), bytes.into())
+    /// A binary file.
+    pub fn binary(bytes: Vec<u8>, media_type: &'static str) -> Self {
+        Self::plain(HeaderValue::from_static(media_type), bytes.into())
     }
 
     /// Bytes that are an answer already.

@@ -71,6 +71,7 @@ async fn shown<P: Product>(
         with_toolpath,
         with_nc: false,
         with_glb: false,
+        with_points: false,
         view: Default::default(),
         with_gzip: false,
         request_id,

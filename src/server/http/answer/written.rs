@@ -30,6 +30,9 @@ pub struct Text {
 }
 
 /// The program that an answer needs. A model does without the lines of a program that cannot be written.
+///
+/// # Errors
+/// When a program that was asked for cannot be written, and the budget's stop.
 pub fn program_for<R, P: Product>(
     outcome: &Outcome<R, P>,
     form: &Form,
@@ -39,7 +42,9 @@ pub fn program_for<R, P: Product>(
         return text_of(outcome, budget).map(Some);
     }
     let has_feeds = outcome.product.cut().is_some_and(|cut| cut.cutting.is_some());
-    Ok(if form.wants_model() && has_feeds { text_of(outcome, budget).ok() } else { None })
+    let written = if form.wants_model() && has_feeds { text_of(outcome, budget).ok() } else { None };
+    budget.check()?;
+    Ok(written)
 }
 
 /// The NC text of an outcome's toolpath, written here unless the computation has written it.

@@ -2,15 +2,18 @@
 
 use std::borrow::Cow;
 
-use serde::Serialize;
+use nalgebra::Point3;
+use serde::{Serialize, Serializer};
 use utoipa::openapi::RefOr;
-use utoipa::openapi::schema::{ObjectBuilder, RefBuilder, Schema, Type};
+use utoipa::openapi::schema::{Object, ObjectBuilder, RefBuilder, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::meta::{Meta, MetaTexts};
+use super::point::Point;
 use super::toolpath::Toolpath;
 use crate::http::ENGINE_VERSION;
 use crate::http::messages::Warning;
+use toolpathd_core::toolpath::flattened::Points;
 use toolpathd_core::toolpath::measure::Measures;
 
 /// The answer of a computation: the members of every answer, the report of the operation, and the members of
@@ -25,6 +28,30 @@ pub struct Answer<R, M = PathMembers> {
     /// The file of the form `glb`, in base64.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub glb: Option<String>,
+    #[serde(flatten)]
+    pub points: Option<PointMembers>,
+}
+
+/// The toolpath as points, for callers that draw no arcs.
+#[derive(Serialize, ToSchema)]
+pub struct PointMembers {
+    /// The places of the tip `[x, y, z]` along all moves, in mm, without arcs. Present with `?points=true`.
+    #[serde(serialize_with = "write_points")]
+    #[schema(value_type = Vec<Point>)]
+    polyline: Vec<Point3<f64>>,
+    /// How far the lines of `polyline` may be from the moves, in mm: 0.001, or more where there would be more
+    /// than two million points.
+    polyline_chord_mm: f64,
+}
+
+impl From<Points> for PointMembers {
+    fn from(Points { points, chord_mm }: Points) -> Self {
+        Self { polyline: points, polyline_chord_mm: chord_mm }
+    }
+}
+
+fn write_points<S: Serializer>(points: &[Point3<f64>], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(points.iter().map(|point| Point::from(*point)))
 }
 
 /// What every answer holds.
@@ -81,7 +108,15 @@ impl<R: ToSchema, M: ToSchema> PartialSchema for Answer<R, M> {
             .required("report")
             .property("glb", glb)
             .build();
-        joined([answer.into(), Head::schema(), M::schema()])
+        let optional = |mut points: Object| {
+            points.required.clear();
+            points.into()
+        };
+        let points = match PointMembers::schema() {
+            RefOr::T(Schema::Object(points)) => optional(points),
+            other => other,
+        };
+        joined([answer.into(), Head::schema(), M::schema(), points])
     }
 }
 
@@ -109,5 +144,6 @@ impl<R: ToSchema, M: ToSchema> ToSchema for Answer<R, M> {
         R::schemas(schemas);
         Head::schemas(schemas);
         M::schemas(schemas);
+        PointMembers::schemas(schemas);
     }
 }

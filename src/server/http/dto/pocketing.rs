@@ -301,25 +301,25 @@ impl IntoJob for PocketRequest {
     }
 }
 
-/// The stock in plan, and the height of its top.
+/// The stock, and the height of its top.
 fn stock_of(
     stock: Option<Solid>,
     top_z_mm: Option<f64>,
     limits: &Limits,
     violations: &mut Violations,
-) -> (Option<core::Outlines>, Option<f64>) {
+) -> (Option<core::Standing>, Option<f64>) {
     let Some(stock) = stock else { return (None, top_z_mm) };
     let before = violations.total();
     let stock = stock.stock(&Pointer::root().field("stock"), limits, violations);
     if violations.total() > before {
         return (None, top_z_mm);
     }
-    let (outlines, _, top_mm) = stock.outlines();
+    let (outlines, bottom_z_mm, top_mm) = stock.outlines();
     if let Some(sent) = top_z_mm.filter(|sent| *sent != top_mm) {
         let detail = format!("the stock ends at {top_mm} mm, and not at {sent} mm: leave `top_z_mm` out");
         violations.add(&Pointer::root().field("top_z_mm"), FieldCode::Conflict, detail);
     }
-    (Some(outlines), Some(top_mm))
+    (Some(core::Standing { outlines, bottom_z_mm }), Some(top_mm))
 }
 
 fn emptied(cleared: Vec<Cleared>, limits: &Limits, violations: &mut Violations) -> Vec<core::Emptied> {

@@ -17,6 +17,9 @@ pub fn too_slow(longest: &str, time: Duration, last: &str, share: f64) -> String
         "wires" => "send a larger pitch, or a larger chord height",
         "fit" => "send fewer points, a coarser `tolerance_mm`, or `method: greedy`",
         "interpolating" => "send a wider band, a shorter domain, or `method: bisection`",
+        "patterns" | "regions" => {
+            "send fewer `patterns` or regions, a larger stepover or stepdown, or a larger tool"
+        }
         "lowering" => "send fewer moves, or another `program.dialect`",
         _ => "send a smaller job, or a coarser tolerance",
     };

@@ -19,7 +19,7 @@ pub trait Offers {
     const OFFERS: &'static [Representation];
 
     /// The names of the shared parameters that these endpoints read.
-    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "nc", "glb", "view"];
+    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "nc", "glb", "points", "view"];
 
     /// Whether the JSON answer may hold a toolpath.
     const HAS_TOOLPATH: bool = has(Self::OFFERS, Representation::Gcode);
@@ -72,6 +72,21 @@ impl Offers for Programs {
     ];
 }
 
+/// Endpoints that answer figures or a picture, and no text of a program.
+pub enum Figures {}
+
+impl Offers for Figures {
+    type Query = NoQuery;
+
+    const OFFERS: &'static [Representation] = &[
+        Representation::Json,
+        Representation::Svg,
+        Representation::Html,
+        Representation::Glb,
+        Representation::Events,
+    ];
+}
+
 /// Endpoints that describe a surface and make no toolpath.
 pub enum Models {}
 
@@ -83,6 +98,7 @@ impl Offers for Models {
         Representation::Svg,
         Representation::Html,
         Representation::Glb,
+        Representation::Stl,
         Representation::Events,
     ];
 }
@@ -122,6 +138,8 @@ pub struct Form {
     pub with_nc: bool,
     /// Whether the JSON answer holds the binary glTF file too.
     pub with_glb: bool,
+    /// Whether the JSON answer holds the path as points too.
+    pub with_points: bool,
     pub view: PictureView,
     /// Whether the caller takes gzip.
     pub with_gzip: bool,
@@ -154,12 +172,18 @@ impl<O: Offers, S: Sync> FromRequestParts<S> for Wanted<O> {
         let with_toolpath = sent.flag("toolpath").map_err(invalid)?;
         let with_nc = sent.flag("nc").map_err(invalid)?.unwrap_or(false);
         let with_glb = sent.flag("glb").map_err(invalid)?.unwrap_or(false);
+        let with_points = sent.flag("points").map_err(invalid)?.unwrap_or(false);
         let view =
             sent.text("view").and_then(|name| name.map(PictureView::named).transpose()).map_err(invalid)?;
         let query = O::Query::read(&sent).map_err(invalid)?;
         let (representation, media_type) = representation::choose(O::OFFERS, &parts.headers, format)?;
         if with_nc && !O::OFFERS.contains(&Representation::Gcode) {
             let detail = "`nc` asks for a program, and this endpoint makes none: leave `nc` out";
+            return Err(ApiError::new(Code::InvalidRequest, detail));
+        }
+        if with_points && !O::HAS_TOOLPATH {
+            let detail =
+                "`points` asks for the path as points, and this endpoint makes no path: leave `points` out";
             return Err(ApiError::new(Code::InvalidRequest, detail));
         }
         let with_gzip = accept::takes_gzip(&parts.headers);
@@ -169,6 +193,7 @@ impl<O: Offers, S: Sync> FromRequestParts<S> for Wanted<O> {
             with_toolpath,
             with_nc,
             with_glb,
+            with_points,
             view: view.unwrap_or_default(),
             with_gzip,
             request_id,
@@ -223,6 +248,10 @@ impl<O: Offers> IntoParams for Wanted<O> {
         if O::PARAMETERS.contains(&"glb") {
             let glb = "Whether the JSON answer, or the event `result`, holds the file of `?format=glb` in `glb`, in base64. Default: `false`.";
             parameters.push(parameter("glb", glb, yes_or_no()));
+        }
+        if O::PARAMETERS.contains(&"points") && O::HAS_TOOLPATH {
+            let points = "Whether the JSON answer, or the event `result`, holds the path as points in `polyline`, without arcs. Default: `false`.";
+            parameters.push(parameter("points", points, yes_or_no()));
         }
         if O::PARAMETERS.contains(&"view") {
             let view = "View of a picture. `plan`: plan, front and left side. `axonometric`: one isometric view from the front left and above, \

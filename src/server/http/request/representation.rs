@@ -9,6 +9,7 @@ pub const JSON: &str = "application/json";
 const SVG: &str = "image/svg+xml";
 const HTML: &str = "text/html";
 pub const GLB: &str = "model/gltf-binary";
+pub const STL: &str = "model/stl";
 pub const EVENTS: &str = "text/event-stream";
 
 /// The media types that stand for NC text, the preferred type first.
@@ -26,13 +27,16 @@ pub enum Representation {
     Html,
     /// Part, stock, cutter and path in three dimensions.
     Glb,
+    /// Triangles of the part.
+    Stl,
     /// Progress while the computation runs, and then the JSON answer. `format` has no name for events,
     /// because a browser cannot show them behind a link.
     Events,
 }
 
 impl Representation {
-    pub const ALL: [Self; 6] = [Self::Json, Self::Gcode, Self::Svg, Self::Html, Self::Glb, Self::Events];
+    pub const ALL: [Self; 7] =
+        [Self::Json, Self::Gcode, Self::Svg, Self::Html, Self::Glb, Self::Stl, Self::Events];
 
     /// The form that `format` calls `name`.
     pub fn named(name: &str) -> Option<Self> {
@@ -47,6 +51,7 @@ impl Representation {
             Self::Svg => Some("svg"),
             Self::Html => Some("html"),
             Self::Glb => Some("glb"),
+            Self::Stl => Some("stl"),
             Self::Events => None,
         }
     }
@@ -59,6 +64,7 @@ impl Representation {
             Self::Svg => &[SVG],
             Self::Html => &[HTML],
             Self::Glb => &[GLB],
+            Self::Stl => &[STL],
             Self::Events => &[EVENTS],
         }
     }
@@ -118,6 +124,7 @@ mod tests {
             ("svg", Some(Representation::Svg)),
             ("html", Some(Representation::Html)),
             ("glb", Some(Representation::Glb)),
+            ("stl", Some(Representation::Stl)),
             ("events", None),
         ] {
             assert_eq!(Representation::named(name), form);

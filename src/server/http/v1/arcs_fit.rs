@@ -110,7 +110,8 @@ async fn fit_program(streams: &Streams, request: Request) -> Result<Response, Ap
     }
     let report = AnyFitReport::Program(stream.figures().await?);
     let head = Head::new(None, Vec::new());
-    Ok(Encoded::json(&Answer { head, report, members: PathMembers::default(), glb: None })?.into_response())
+    Ok(Encoded::json(&Answer { head, report, members: PathMembers::default(), glb: None, points: None })?
+        .into_response())
 }
 
 /// The forms of the answer to an NC program: its rewritten text, or its report as JSON.

@@ -55,7 +55,7 @@ pub async fn smooth_path(
         program: wanted.form.with_nc || representation == Representation::Gcode,
         diagrams: match representation {
             Representation::Svg => wanted.query.shows_motion(),
-            representation => representation == Representation::Html,
+            representation => representation == Representation::Html || wanted.form.wants_model(),
         },
     };
     answer(computing, wanted, body, move |job, budget| smooth(job, shown, budget)).await

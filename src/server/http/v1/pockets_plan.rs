@@ -2,11 +2,15 @@
 //! picture.
 
 mod charts;
+mod solids;
+
+use std::sync::Arc;
 
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::Point3;
 
+use crate::http::answer::model::Solids;
 use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::{Answer, PathMembers};
 use crate::http::dto::pocketing::PocketRequest;
@@ -15,6 +19,7 @@ use crate::http::error::ApiError;
 use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Form, Toolpaths, Wanted};
+use solids::Bodies;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::pocketing::{self, Job, LevelOutlines, LevelStart, Plan, Report};
@@ -47,6 +52,7 @@ struct PlannedPath {
     cut: Cut,
     pass_notes: Vec<PassNote>,
     charts: Vec<BarChart>,
+    bodies: Arc<Bodies>,
 }
 
 impl Product for PlannedPath {
@@ -60,6 +66,10 @@ impl Product for PlannedPath {
 
     fn charts(&self) -> &[BarChart] {
         &self.charts
+    }
+
+    fn solids(&self, budget: &Budget) -> Result<Solids, ApiError> {
+        self.bodies.solids(budget)
     }
 
     fn pass_notes(&self) -> &[PassNote] {
@@ -78,6 +88,8 @@ fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Plann
     let doubts = pocketing::doubts(&job, &plan, budget)?;
     let Plan { toolpath, report, outlines, starts, cutting, warnings, .. } = plan;
     let cut = Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None };
+    let bodies = Arc::new(Bodies::new(&job, outlines));
+    let of_drawing = Arc::clone(&bodies);
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).chain(doubts.iter().map(Warning::from)).collect(),
@@ -85,9 +97,10 @@ fn plan(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Plann
             cut,
             pass_notes: pass_notes(&starts, &report),
             charts: charts::charts(&report, job.choose_by),
+            bodies,
         },
         report,
-        drawing: Box::new(move || drawing(&outlines)),
+        drawing: Box::new(move || drawing(&of_drawing.levels)),
     })
 }
 
@@ -120,8 +133,8 @@ fn drawing(levels: &[LevelOutlines]) -> Drawing {
     let mut drawing = Drawing::default();
     for level in levels {
         let at_floor = |outline: &Vec<Segment>| polyline(outline, level.z_mm);
-        drawing.curve.extend(level.pocket.iter().map(|outline| polyline(outline, level.top_z_mm)));
-        drawing.curve.extend(level.pocket.iter().map(at_floor));
+        drawing.walls.extend(level.pocket.iter().map(|outline| polyline(outline, level.top_z_mm)));
+        drawing.walls.extend(level.pocket.iter().map(at_floor));
         drawing.uncut.extend(level.uncut.iter().map(at_floor));
     }
     drawing

@@ -16,7 +16,7 @@ use crate::http::error::ApiError;
 use crate::http::messages::{Warning, not_read, words_left_alone_in};
 use crate::http::pointer::Pointer;
 use crate::http::request::body::{JobBody, media_type};
-use crate::http::request::negotiation::{Form, Models, Offers, Wanted};
+use crate::http::request::negotiation::{Figures, Form, Offers, Wanted};
 use crate::http::request::representation::{GCODE, Representation};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::toolpath::measure::{Measures, measure};
@@ -32,8 +32,8 @@ type ReadAnswer = Answer<ReadReport>;
 pub enum Readings {}
 
 impl Offers for Readings {
-    const OFFERS: &'static [Representation] = Models::OFFERS;
-    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "glb"];
+    const OFFERS: &'static [Representation] = Figures::OFFERS;
+    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "glb", "points"];
     const HAS_TOOLPATH: bool = true;
     type Query = ReadQuery;
 }
@@ -71,6 +71,7 @@ pub async fn read_program(State(app): State<Arc<App>>, request: Request) -> Resu
 struct ReadPath {
     cut: Cut,
     rapid_feed: FeedRate,
+    lines: Vec<u32>,
 }
 
 impl Product for ReadPath {
@@ -86,8 +87,12 @@ impl Product for ReadPath {
         self.rapid_feed
     }
 
+    fn read_lines(&self) -> &[u32] {
+        &self.lines
+    }
+
     fn members(self, _: Option<String>, form: &Form) -> PathMembers {
-        let Self { cut: Cut { toolpath, .. }, rapid_feed } = self;
+        let Self { cut: Cut { toolpath, .. }, rapid_feed, lines: _ } = self;
         let time_with_acceleration_s = motion_time(&toolpath, rapid_feed, Acceleration::DEFAULT);
         let measures = Measures { time_with_acceleration_s, ..measure(&toolpath, rapid_feed) };
         let with_toolpath = form.with_toolpath.unwrap_or(true);
@@ -108,6 +113,7 @@ fn read(job: ProgramReading, budget: &Budget) -> Result<Outcome<ReadReport, Read
         product: ReadPath {
             cut: Cut { toolpath: reading.toolpath, cutting: None, setup, comments: Vec::new(), nc: None },
             rapid_feed: job.rapid_feed(),
+            lines: reading.lines,
         },
         meta: job.meta,
         drawing: Box::new(Drawing::default),

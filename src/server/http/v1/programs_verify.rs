@@ -7,6 +7,7 @@ use axum::response::Response;
 use nalgebra::{Point2, Point3};
 
 use crate::config::Limits;
+use crate::http::answer::model::Solids;
 use crate::http::answer::{Cut, Outcome, Product, answer};
 use crate::http::app::App;
 use crate::http::decode::{SentJob, job};
@@ -21,18 +22,20 @@ use crate::http::error::ApiError;
 use crate::http::messages::{Warning, not_read, tool_not_told, words_left_alone_in};
 use crate::http::pointer::Pointer;
 use crate::http::request::body::JobBody;
-use crate::http::request::negotiation::{Form, Models, Offers, Wanted};
+use crate::http::request::negotiation::{Figures, Form, Offers, Wanted};
 use crate::http::request::representation::Representation;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::segment::Segment;
-use toolpathd_core::operations::pocketing::Outlines;
-use toolpathd_core::operations::verification::{self as core, Part, Rapids, verify};
+use toolpathd_core::operations::pocketing::{Outlines, PocketError};
+use toolpathd_core::operations::verification::{self as core, Part, Rapids, Raw, verify};
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::measure::measure_on;
 use toolpathd_core::toolpath::program::{Program, Resolution, Units};
 use toolpathd_nc::ReadProgram;
 use toolpathd_nc::notes::Note;
 use toolpathd_plot::Drawing;
+use toolpathd_plot::gltf::{Stock, Triangles};
+use toolpathd_plot::solid::{self, Slab};
 
 /// The most sentences on findings beside a picture.
 const MOST_SENTENCES: usize = 4;
@@ -43,6 +46,9 @@ const MOST_EDGES: usize = 12;
 /// Chords that stand for an arc of an outline in a picture.
 const CHORDS: usize = 24;
 
+/// The chord of round walls in three dimensions, mm.
+const WALL_CHORD_MM: f64 = 0.01;
+
 /// The answer in JSON.
 type VerifyAnswer = Answer<VerifyReport, VerifyMembers>;
 
@@ -50,8 +56,8 @@ type VerifyAnswer = Answer<VerifyReport, VerifyMembers>;
 pub enum Verdicts {}
 
 impl Offers for Verdicts {
-    const OFFERS: &'static [Representation] = Models::OFFERS;
-    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "glb"];
+    const OFFERS: &'static [Representation] = Figures::OFFERS;
+    const PARAMETERS: &'static [&'static str] = &["format", "toolpath", "glb", "points"];
     const HAS_TOOLPATH: bool = true;
     type Query = VerifyQuery;
 }
@@ -94,6 +100,9 @@ pub fn receipt_of(body: &[u8], limits: &Limits, budget: &Budget) -> Result<Optio
 /// The toolpath that was verified.
 struct Verified {
     cut: Cut,
+    /// The line of each move; empty where a toolpath was sent.
+    lines: Vec<u32>,
+    stock: Option<Raw>,
     receipt: Option<Receipt>,
 }
 
@@ -106,8 +115,18 @@ impl Product for Verified {
         Some(&self.cut)
     }
 
+    fn read_lines(&self) -> &[u32] {
+        &self.lines
+    }
+
+    fn solids(&self, budget: &Budget) -> Result<Solids, ApiError> {
+        let stock = self.stock.as_ref().map(|raw| block(raw, budget)).transpose()?;
+        let told = |triangles| Stock { triangles, is_assumed: false };
+        Ok(Solids { part: None, stock: stock.flatten().map(told) })
+    }
+
     fn members(self, _: Option<String>, form: &Form) -> VerifyMembers {
-        let Self { cut: Cut { toolpath, .. }, receipt } = self;
+        let Self { cut: Cut { toolpath, .. }, receipt, .. } = self;
         let measures = Some(measure_on(&toolpath, None));
         let with_toolpath = form.with_toolpath.unwrap_or(false);
         let path = PathMembers { measures, nc: None, toolpath: with_toolpath.then(|| toolpath.into()) };
@@ -182,17 +201,31 @@ fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, 
     let notes = program.iter().flat_map(|program| program.notes.iter().map(Warning::from));
     let left = program.iter().flat_map(|program| words_left_alone_in(&program.left_alone));
     let warnings = notes.chain(left).collect();
+    let program_lines = program.map(|program| program.lines);
     let program = Program::plain(Resolution { units: Units::Mm, decimals: 3 });
     let setup = Setup::of_program(dialect::DEFAULT, program);
     let (solids, findings) = (solids(&job), places(&found));
     let comments = report.sentences(MOST_SENTENCES);
+    let (lines, stock) = (program_lines.unwrap_or_default(), job.stock);
     let cut = Cut { toolpath: job.toolpath, cutting: None, setup, comments, nc: None };
     let drawing = Box::new(move || Drawing {
         solids: solids.clone(),
         findings: findings.clone(),
         ..Drawing::default()
     });
-    Ok(Outcome { meta, warnings, report, product: Verified { cut, receipt }, drawing })
+    Ok(Outcome { meta, warnings, report, product: Verified { cut, lines, stock, receipt }, drawing })
+}
+
+/// The triangles of a raw part; none where its outlines cannot be drawn.
+fn block(raw: &Raw, budget: &Budget) -> Result<Option<Triangles>, ApiError> {
+    let (outlines, bottom_z_mm, top_z_mm) = raw.outlines();
+    let slab = |region| solid::triangles(&[Slab { top_z_mm, bottom_z_mm, region }], WALL_CHORD_MM, budget);
+    let made = outlines.region(budget).and_then(|region| Ok(slab(region)?));
+    match made {
+        Ok(triangles) => Ok(Some(triangles)),
+        Err(PocketError::Stopped(stopped)) => Err(stopped.into()),
+        Err(_) => Ok(None),
+    }
 }
 
 /// The outlines of part, stock and fixtures at their tops and bottoms.

@@ -9,7 +9,7 @@ use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::dropping::{DropJob, DropRequest};
 use crate::http::error::ApiError;
 use crate::http::request::body::JobBody;
-use crate::http::request::negotiation::{Models, Wanted};
+use crate::http::request::negotiation::{Figures, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_core::machining::wire_model::{self, Wire};
@@ -24,11 +24,11 @@ type DropAnswer = Answer<Report, NoMembers>;
 /// The answer is the position of the cutter's tip where the cutter touches the surface first, for every
 /// place.
 #[utoipa::path(post, path = "/v1/surfaces/drop", operation_id = "dropCutter", tag = "surfaces",
-    params(Wanted<Models>), request_body = DropRequest,
+    params(Wanted<Figures>), request_body = DropRequest,
     responses((status = 200, description = "The tips, in the order of the points.", body = DropAnswer)))]
 pub async fn drop_cutter(
     State(computing): State<Computing>,
-    wanted: Wanted<Models>,
+    wanted: Wanted<Figures>,
     body: JobBody<DropRequest>,
 ) -> Result<Response, ApiError> {
     answer(computing, wanted, body, locate).await

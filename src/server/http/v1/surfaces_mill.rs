@@ -4,23 +4,27 @@
 use axum::extract::State;
 use axum::response::Response;
 
-use crate::http::answer::{Computing, Cut, Outcome, answer};
-use crate::http::dto::answer::Answer;
+use crate::http::answer::model::Solids;
+use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
+use crate::http::dto::answer::{Answer, PathMembers};
 use crate::http::dto::milling::MillRequest;
 use crate::http::dto::setup::JobWithSetup;
 use crate::http::error::ApiError;
 use crate::http::messages::Warning;
 use crate::http::request::body::JobBody;
-use crate::http::request::negotiation::{Toolpaths, Wanted};
+use crate::http::request::negotiation::{Form, Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_core::machining::wire_model;
-use toolpathd_core::operations::surface_milling::{self, Job, Plan, Report, Stock};
+use toolpathd_core::operations::surface_milling::{self, Job, Plan, Report};
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::measure::{Bounds, measure};
+use toolpathd_core::toolpath::program::Blank;
 use toolpathd_core::toolpath::tool_body::Depths;
 use toolpathd_core::toolpath::units::{FeedRate, rounded_up};
 use toolpathd_plot::Drawing;
+use toolpathd_plot::gltf::Stock;
+use toolpathd_plot::solid;
 
 /// The answer in JSON.
 type MillAnswer = Answer<Report>;
@@ -36,14 +40,47 @@ pub async fn mill_surface(
     wanted: Wanted<Toolpaths>,
     body: JobBody<MillRequest>,
 ) -> Result<Response, ApiError> {
-    answer(computing, wanted, body, mill).await
+    let wants_model = wanted.form.wants_model();
+    answer(computing, wanted, body, move |job, budget| mill(job, wants_model, budget)).await
 }
 
-fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>, ApiError> {
-    let JobWithSetup { job, mut setup, meta } = job;
-    if setup.dialect.states_blank() {
-        setup.program.blank = surface_milling::blank(&job, budget)?;
+/// The toolpath, with the box of the raw part.
+struct Milled {
+    cut: Cut,
+    blank: Option<Blank>,
+}
+
+impl Product for Milled {
+    type Members = PathMembers;
+
+    const TITLE: &'static str = Cut::TITLE;
+
+    fn cut(&self) -> Option<&Cut> {
+        Some(&self.cut)
     }
+
+    /// The part is the drawn surface. A request tells the stock by its height over the surface.
+    fn solids(&self, _: &Budget) -> Result<Solids, ApiError> {
+        let stock = self
+            .blank
+            .map(|Blank { low, high }| Stock { triangles: solid::block(low, high), is_assumed: true });
+        Ok(Solids { part: None, stock })
+    }
+
+    fn members(self, written: Option<String>, form: &Form) -> PathMembers {
+        self.cut.members(written, form)
+    }
+}
+
+fn mill(
+    job: JobWithSetup<Job>,
+    wants_model: bool,
+    budget: &Budget,
+) -> Result<Outcome<Report, Milled>, ApiError> {
+    let JobWithSetup { job, mut setup, meta } = job;
+    let has_blank = setup.dialect.states_blank() || wants_model;
+    let blank = if has_blank { surface_milling::blank(&job, budget)? } else { None };
+    setup.program.blank = blank;
     let Plan { toolpath, report, cutting, warnings } = surface_milling::plan(&job, budget)?;
     if setup.body.limits_depth() {
         let advice = "rough the block first, and send `stock` of the kind `on_surface`";
@@ -52,7 +89,10 @@ fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>,
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
-        product: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
+        product: Milled {
+            cut: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
+            blank,
+        },
         report,
         drawing: Box::new(move || drawing(&job.surface)),
     })
@@ -62,7 +102,7 @@ fn mill(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>,
 fn depths(job: &Job, toolpath: &Toolpath, budget: &Budget) -> Result<Depths, ApiError> {
     let Bounds { min, .. } = measure(toolpath, FeedRate::DEFAULT_RAPID).bounds;
     let at_once_mm = match job.stock {
-        Some(Stock::Block { top_z_mm }) => Some(top_z_mm - min.z),
+        Some(surface_milling::Stock::Block { top_z_mm }) => Some(top_z_mm - min.z),
         _ => None,
     };
     Ok(Depths { whole_mm: surface_milling::highest_mm(job, budget)? - min.z, at_once_mm })

@@ -1,6 +1,7 @@
-// Makes elements of the document, and the frame that all fields of the form have: label, help, error.
+// The frame that all fields of the form have: label, help, error.
+import { button as plainButton, el, rich } from "../dom.js";
 import { numberProblem, rangeText } from "./number.js";
-import { TEXTS } from "./texts.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 
 /** @typedef {import("./field.js").Field} Field */
 /** @typedef {import("./value.js").Path} Path */
@@ -23,44 +24,15 @@ import { TEXTS } from "./texts.js";
  * @property {import("./pastebox.js").PasteBox[]} boxes  of the tables of the form
  */
 
-/** @typedef {string | number | boolean | ((event: any) => void)} Attribute  functions are listeners */
-
 /**
- * Makes an element.
- * @template {keyof HTMLElementTagNameMap} K
- * @param {K} tag
- * @param {Record<string, Attribute>} [attributes]
- * @param {...(Node | string)} children
- * @returns {HTMLElementTagNameMap[K]}
- */
-export function el(tag, attributes = {}, ...children) {
-  const node = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (typeof value === "function") node.addEventListener(name, value);
-    else if (typeof value === "boolean") node.toggleAttribute(name, value);
-    else node.setAttribute(name, String(value));
-  }
-  node.append(...children);
-  return node;
-}
-
-/**
+ * A small button of the form.
  * @param {string} text
  * @param {(event: Event) => void} press
  * @param {string} [name]  of the class
  * @returns {HTMLButtonElement}
  */
 export function button(text, press, name = "form-button") {
-  return el("button", { type: "button", class: name, click: press }, text);
-}
-
-/**
- * A text whose parts in backticks are set as code.
- * @param {string} text
- * @returns {Node[]}
- */
-export function rich(text) {
-  return text.split("`").map((part, at) => (at % 2 ? el("code", {}, part) : document.createTextNode(part)));
+  return plainButton(text, press, name);
 }
 
 /** Label, help and error of a field. */

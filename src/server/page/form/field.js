@@ -1,7 +1,8 @@
 // Turns the JSON schemas of the contract into a tree of fields, each of a kind that the form can show.
 // The tree is made as it is asked for, so that schemas may refer to themselves.
-import { choiceHelp, columnsOf, fallbackOf, labelOf, singular, unitOf } from "./names.js";
-import { TEXTS } from "./texts.js";
+import { labelOf } from "../names.js";
+import { choiceHelp, columnsOf, entryOf, fallbackOf, singular, unitOf } from "./names.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 import { isObject } from "./value.js";
 
 /** @typedef {import("../contract.js").Schema} Schema */
@@ -265,7 +266,7 @@ function rowsOf(resolve, schema, texts, outer) {
   const inner = unwrapped(resolve, schema.items);
   const item = once(() => {
     const field = fieldOf(resolve, schema.items, "", true, singular(outer.label));
-    return { ...field, unit: field.unit || (isNumeric(field) ? outer.unit : "") };
+    return { ...field, label: entryLabel(field, outer, texts), unit: field.unit || (isNumeric(field) ? outer.unit : "") };
   });
   if (isNumber(inner.schema)) return { kind: "numbers", item, ...widthOf(schema, texts) };
   const rows = [inner.schema, ...(inner.schema.oneOf ?? [])].map((one) => unwrapped(resolve, one));
@@ -278,6 +279,30 @@ function rowsOf(resolve, schema, texts, outer) {
     kind: "points", item, ...width, unit: outer.unit || unitOf("", [...inner.texts, ...row.texts]),
     min: numbers.minimum ?? -Infinity, max: numbers.maximum ?? Infinity,
   };
+}
+
+/**
+ * What one entry of a list is called.
+ * @param {Field} entry
+ * @param {Field} list
+ * @param {string[]} texts  of the list
+ * @returns {string}
+ */
+function entryLabel(entry, list, texts) {
+  if (isGridRow(entry)) return TEXTS.gridRow;
+  // A label in the plural gives the name, and so does the label of the list around a list.
+  if (entry.label !== list.label || (list.name === "" && entry.kind === "list")) return entry.label;
+  const isPoint = entry.kind === "numbers" || entry.kind === "variant";
+  return entryOf(texts) || (isPoint ? TEXTS.point : TEXTS.entry);
+}
+
+/**
+ * Whether an entry is a row of a grid: of points, or of nets of points.
+ * @param {Field} entry
+ * @returns {boolean}
+ */
+function isGridRow({ kind, item }) {
+  return kind === "points" || (kind === "list" && item().kind === "list" && item().item().kind === "points");
 }
 
 /**

@@ -1,12 +1,12 @@
 // The form of a request: made from the contract, changed in place, with errors at the fields that they name.
-import { el, rich } from "./dom.js";
+import { el, rich } from "../dom.js";
 import { fieldOf } from "./field.js";
 import { JsonControl } from "./json.js";
 import { ListControl, MapControl } from "./list.js";
 import { ObjectControl, Slot, VariantControl } from "./object.js";
 import { ChoiceControl, InlineNumbers, NumberControl, TextControl } from "./scalars.js";
 import { TableControl } from "./table.js";
-import { TEXTS } from "./texts.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 import { isInline } from "./tree.js";
 import { pathOf } from "./value.js";
 
@@ -90,15 +90,22 @@ export class RequestForm {
   }
 
   /**
-   * Puts rows of numbers, such as those of a dropped file, into the first table of the form.
+   * Puts rows of numbers, such as those of a dropped file, into the first table of the form that they fit.
    * @param {string} text
-   * @returns {boolean}  false where there is no table, or the text has no numbers
+   * @returns {{label: string, columns: string[], note: string, show: () => void} | null}  null where no table takes them
    */
   takePoints(text) {
-    const box = this.boxes.find(({ element }) => this.body.contains(element));
-    if (!box?.take(text)) return false;
-    box.element.scrollIntoView({ block: "center" });
-    return true;
+    const boxes = this.boxes.filter(({ element }) => this.body.contains(element));
+    const box = boxes.find((one) => one.fits(text));
+    if (!box?.take(text)) return null;
+    const show = () => box.element.scrollIntoView({ block: "center" });
+    return { label: box.label, columns: box.target.width.columns, note: box.told, show };
+  }
+
+  /** @returns {string[]}  titles of the operations whose requests need a table of points */
+  withTables() {
+    return this.contract.operations
+      .filter(({ schema }) => needsTable(fieldOf(this.contract.resolve, schema), 0)).map(({ title }) => title);
   }
 
   /**
@@ -129,6 +136,25 @@ export class RequestForm {
     this.root?.clear();
     this.summary.hidden = true;
     this.summary.replaceChildren();
+  }
+}
+
+/** As deep in a request a table of points is looked for. */
+const DEPTH = 4;
+
+/**
+ * @param {Field} field
+ * @param {number} depth
+ * @returns {boolean}
+ */
+function needsTable(field, depth) {
+  if (depth > DEPTH) return false;
+  switch (field.kind) {
+    case "points": return true;
+    case "list": return field.item().kind === "points";
+    case "object": return field.members().some((member) => member.required && needsTable(member, depth + 1));
+    case "variant": return field.shapes().some((shape) => needsTable(shape.field(), depth + 1));
+    default: return false;
   }
 }
 

@@ -1,7 +1,8 @@
 // Edits values as JSON text: the text beside the form, and the fields that the form cannot show otherwise.
-import { button, el, Frame, setInvalid } from "./dom.js";
+import { el } from "../dom.js";
+import { button, Frame, setInvalid } from "./dom.js";
 import { abridged, formatJson, isLonger, parseJson } from "./jsontext.js";
-import { TEXTS } from "./texts.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 
 /** @typedef {import("./dom.js").Control} Control */
 /** @typedef {import("./dom.js").Context} Context */

@@ -1,5 +1,5 @@
 // Writes values as JSON that people can read, finds where a text is no JSON, and shortens large values.
-import { TEXTS } from "./texts.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 
 /** @typedef {{value: unknown} | {line: number, column: number, what: string}} Parsed */
 

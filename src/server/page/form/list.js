@@ -1,10 +1,11 @@
 // The fields with entries: lists, of which one page is in the document, and maps from names to values.
-import { button, el, Frame, setInvalid } from "./dom.js";
+import { el } from "../dom.js";
+import { button, Frame, setInvalid } from "./dom.js";
 import { brief } from "./jsontext.js";
 import { Slot } from "./object.js";
 import { gridOf, parseTable } from "../paste.js";
 import { PasteBox, understood } from "./pastebox.js";
-import { TEXTS } from "./texts.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 import { blankItem, emptyItem, isSimple } from "./tree.js";
 import { isObject, withItem } from "./value.js";
 
@@ -18,6 +19,7 @@ import { isObject, withItem } from "./value.js";
  * @property {HTMLElement} element
  * @property {HTMLDetailsElement | null} details  null for a simple entry
  * @property {HTMLElement} summary
+ * @property {{up: HTMLButtonElement, down: HTMLButtonElement, remove: HTMLButtonElement}} buttons
  * @property {Slot | null} slot  null until the entry is opened
  */
 
@@ -47,7 +49,7 @@ export class ListControl {
     this.count = el("span", { class: "form-note", role: "status" });
     this.previous = button(TEXTS.previous, () => this.#turn(-PAGE));
     this.next = button(TEXTS.next, () => this.#turn(PAGE));
-    this.add = button(TEXTS.addItem, () => this.#add());
+    this.add = button(TEXTS.addItem(this.item.label), () => this.#add());
     const bar = el("div", { class: "form-bar" }, this.previous, this.next, this.add, this.count);
     this.element = this.frame.group(this.list, bar);
     if (this.item.kind === "points") this.#addPasteBox();
@@ -57,6 +59,7 @@ export class ListControl {
   /** Adds a box that takes all rows of points at once. */
   #addPasteBox() {
     const box = new PasteBox(this.context, this.field.label, {
+      width: this.item,
       read: (text) => {
         const table = parseTable(text, this.item);
         const grid = gridOf(table);
@@ -87,12 +90,15 @@ export class ListControl {
   #draw() {
     const last = Math.max(0, Math.floor((this.value.length - 1) / PAGE) * PAGE);
     this.#goTo(Math.min(this.first, last));
+    const end = this.value.length - 1;
     const shown = this.value.slice(this.first, this.first + PAGE);
     while (this.rows.length > shown.length) this.rows.pop()?.element.remove();
     shown.forEach((value, at) => {
       const row = this.rows[at] ?? this.#addRow(at, value);
       row.slot?.update(value);
       row.summary.textContent = this.#heading(at, value);
+      row.buttons.up.disabled = this.first + at === 0;
+      row.buttons.down.disabled = this.first + at === end;
     });
     const count = this.value.length;
     const isLong = count > PAGE;
@@ -113,14 +119,20 @@ export class ListControl {
   #addRow(at, value) {
     const summary = el("summary", {});
     const label = TEXTS.item(this.item.label, this.first + at + 1);
-    const remove = button("×", () => this.#remove(this.first + at), "form-remove");
-    remove.setAttribute("aria-label", TEXTS.remove(label));
-    remove.title = TEXTS.remove(label);
     const details = isSimple(this.item) ? null
       : el("details", { toggle: () => this.#fill(at) }, summary);
-    const element = el("div", { class: "form-entry" }, remove, ...(details ? [details] : []));
+    const index = this.first + at;
+    const up = named("↑", TEXTS.moveUp(label), () => this.#move(index, -1), "Alt+ArrowUp");
+    const down = named("↓", TEXTS.moveDown(label), () => this.#move(index, 1), "Alt+ArrowDown");
+    const copy = named("", TEXTS.duplicate(label), () => this.#duplicate(index));
+    copy.classList.add("form-copy");
+    const remove = named("×", TEXTS.remove(label), () => this.#remove(index));
+    const element = el("div", {
+      class: "form-entry",
+      keydown: (/** @type {KeyboardEvent} */ event) => this.#pressed(event, index),
+    }, el("div", { class: "form-tools" }, up, down, copy, remove), ...(details ? [details] : []));
     /** @type {Row} */
-    const row = { element, details, summary, slot: null };
+    const row = { element, details, summary, buttons: { up, down, remove }, slot: null };
     this.rows[at] = row;
     if (!details) {
       row.slot = this.#slot(at, label, value);
@@ -161,8 +173,56 @@ export class ListControl {
 
   /** @param {number} index */
   #remove(index) {
-    this.#change(this.value.filter((_, at) => at !== index));
-    this.add.focus();
+    this.#rearrange(this.value.filter((_, at) => at !== index), index);
+    const row = this.rows[Math.min(index, this.value.length - 1) - this.first];
+    (row?.buttons.remove ?? this.add).focus();
+  }
+
+  /** @param {number} index */
+  #duplicate(index) {
+    const copy = structuredClone(this.value[index]);
+    this.#rearrange([...this.value.slice(0, index + 1), copy, ...this.value.slice(index + 1)], index + 1);
+    this.reveal([index + 1]).control.focus([]);
+  }
+
+  /** @param {number} index @param {1 | -1} step  down or up */
+  #move(index, step) {
+    const to = index + step;
+    if (to < 0 || to >= this.value.length) return;
+    const value = this.value.slice();
+    [value[index], value[to]] = [value[to], value[index]];
+    this.#rearrange(value, to);
+    const { up, down } = this.rows[to - this.first]?.buttons ?? { up: this.add, down: this.add };
+    const [wanted, other] = step < 0 ? [up, down] : [down, up];
+    (wanted.disabled ? other : wanted).focus();
+  }
+
+  /**
+   * Moves an entry by Alt and an arrow key. In a list of choices these keys open the list.
+   * @param {KeyboardEvent} event
+   * @param {number} index
+   */
+  #pressed(event, index) {
+    const step = { ArrowUp: /** @type {const} */ (-1), ArrowDown: /** @type {const} */ (1) }[event.key];
+    const isChoice = /** @type {Element} */ (event.target).tagName === "SELECT";
+    if (step === undefined || !event.altKey || isChoice || event.defaultPrevented) return;
+    event.preventDefault();
+    this.#move(index, step);
+  }
+
+  /**
+   * Shows entries in another order or number. Those that are open stay open.
+   * @param {readonly unknown[]} value
+   * @param {number} index  of an entry to be seen
+   */
+  #rearrange(value, index) {
+    const open = new Set(this.rows.flatMap(({ details }, at) => (details?.open ? [this.value[this.first + at]] : [])));
+    this.#empty(Math.floor(Math.min(index, value.length - 1) / PAGE) * PAGE);
+    this.#change(value);
+    this.rows.forEach(({ details }, at) => {
+      if (details) details.open = open.has(value[this.first + at]);
+      this.#fill(at);
+    });
   }
 
   /** @param {number} step */
@@ -173,8 +233,12 @@ export class ListControl {
 
   /** @param {number} first  of the page that is shown */
   #goTo(first) {
-    if (first === this.first) return;
-    this.first = first;
+    if (first !== this.first) this.#empty(first);
+  }
+
+  /** @param {number} first  of the page that is shown next */
+  #empty(first) {
+    this.first = Math.max(0, first);
     this.rows = [];
     this.list.replaceChildren();
   }
@@ -209,6 +273,22 @@ export class ListControl {
 }
 
 /**
+ * A small button with a name for its sign.
+ * @param {string} sign
+ * @param {string} name
+ * @param {() => void} press
+ * @param {string} [keys]  that do the same
+ * @returns {HTMLButtonElement}
+ */
+function named(sign, name, press, keys = "") {
+  const made = button(sign, press, "form-tool");
+  made.setAttribute("aria-label", name);
+  if (keys) made.setAttribute("aria-keyshortcuts", keys);
+  made.title = keys ? TEXTS.withKeys(name, keys) : name;
+  return made;
+}
+
+/**
  * Names with values.
  * @implements {Control}
  */
@@ -224,7 +304,7 @@ export class MapControl {
     /** @type {{name: HTMLInputElement, slot: Slot, element: HTMLElement}[]} */
     this.rows = [];
     this.list = el("div", { class: "form-list" });
-    this.add = button(TEXTS.addItem, () => this.#add());
+    this.add = button(TEXTS.addItem(TEXTS.entry), () => this.#add());
     this.element = this.frame.group(this.list, el("div", { class: "form-bar" }, this.add));
     this.update(value);
   }

@@ -1,43 +1,33 @@
-// Makes labels, units, defaults and column names from what the contract says of a member.
+// Makes units, defaults and column names from what the contract says of a member.
+
+import { unitInName, unitInWords } from "../names.js";
 
 /** @typedef {import("../contract.js").Schema} Schema */
 
-/** @type {Record<string, string>} */
-const UNITS = {
-  mm: "mm", um: "µm", inch: "inch", deg: "°", s: "s", ms: "ms", min: "min", rpm: "1/min", hz: "Hz",
-  kw: "kW", w: "W", percent: "%", bytes: "bytes", degrees: "°", milliseconds: "ms",
-  "mm/min": "mm/min", "mm/s": "mm/s", "1/min": "1/min", "mm/s2": "mm/s²", "mm/s3": "mm/s³",
-  "degrees by s": "°/s", "degrees by s2": "°/s²", "degrees by s3": "°/s³",
-};
-/** @type {Record<string, string>} */
-const PARTS = { min: "min", s: "s", s2: "s²", s3: "s³", tooth: "tooth", rev: "rev", mm: "mm" };
-
-const SUFFIX = /(?:^|_)(mm|um|inch|deg|m?s|min|rpm|hz|k?w|percent|bytes)(?:_per_(min|s[23]?|tooth|rev|mm))?$/;
 const UNIT = /\bin (mm(?:\/(?:min|s[23]?))?|degrees(?: by s[23]?)?|milliseconds|1\/min|s)(?![\w/])/;
 const OR_DEGREES = /, or in (degrees(?: by s\d?)?)(?!\w)/;
-
-/** Words of names that are abbreviations, written in capitals. */
-const CAPITALS = /\b(nc|cl|rpm|id)\b/g;
-
-/**
- * A readable name, without the unit that the name ends with.
- * @param {string} name  such as `plunge_feed_mm_per_min`
- * @returns {string}  such as `Plunge feed`
- */
-export function labelOf(name) {
-  const short = name.replace(SUFFIX, "");
-  const bare = short === "" || short === "max" || short === "min" ? name : short;
-  const words = bare.replace(/^n_/, "number_of_").replaceAll("_", " ")
-    .replace(CAPITALS, (word) => word.toUpperCase());
-  return words.charAt(0).toUpperCase() + words.slice(1);
-}
 
 /**
  * @param {string} label  of a list
  * @returns {string}  the label of one of its entries
  */
 export function singular(label) {
-  return label.replace(/(ss|ch|sh|x)es$/, "$1").replace(/([^s])s$/, "$1");
+  if (/is$/.test(label)) return label;
+  return label.replace(/axes$/, "axis").replace(/(ss|ch|sh|x)es$/, "$1").replace(/([^si])s$/, "$1");
+}
+
+/** The noun that a description begins with, such as "The sections of the holder" or "Two rotary axes". */
+const NOUN = /^(?:the |two )?((?:[a-z]+ )?[a-z]+s)(?:[,.:;]| (?:of|with|before|after|in|from)\b)/i;
+
+/**
+ * The name of an entry of a list whose own label is no plural.
+ * @param {string[]} texts  descriptions of the list, from the outside inwards
+ * @returns {string}  such as `Section`; empty where no description begins with the entries
+ */
+export function entryOf(texts) {
+  const nouns = texts.map((text) => NOUN.exec(text)?.[1]?.toLowerCase() ?? "");
+  const noun = singular(nouns.find((many) => many !== "" && singular(many) !== many) ?? "");
+  return noun.charAt(0).toUpperCase() + noun.slice(1);
 }
 
 /**
@@ -47,12 +37,12 @@ export function singular(label) {
  * @returns {string}  empty where none is told
  */
 export function unitOf(name, texts) {
-  const [suffix, unit, part] = SUFFIX.exec(name) ?? [];
-  if (suffix && suffix.startsWith("_") && unit) return `${UNITS[unit]}${part ? `/${PARTS[part]}` : ""}`;
+  const own = unitInName(name);
+  if (own) return own;
   for (const text of texts) {
     if (/without a unit/.test(text)) return "";
-    const told = UNITS[UNIT.exec(text)?.[1] ?? ""];
-    const other = UNITS[OR_DEGREES.exec(text)?.[1] ?? ""];
+    const told = unitInWords(UNIT.exec(text)?.[1] ?? "");
+    const other = unitInWords(OR_DEGREES.exec(text)?.[1] ?? "");
     if (told) return other ? `${told} or ${other}` : told;
   }
   return "";

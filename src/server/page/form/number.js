@@ -1,5 +1,5 @@
 // Reads numbers as people type them, with a comma or a point, and says what is wrong with a number.
-import { TEXTS } from "./texts.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 
 /** @typedef {{kind: string, min: number, max: number, unit: string}} Range */
 

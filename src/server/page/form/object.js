@@ -1,6 +1,7 @@
 // The fields that hold members: objects, and variants, which are one of several objects or values.
-import { button, el, Frame, rich } from "./dom.js";
-import { TEXTS } from "./texts.js";
+import { el, rich } from "../dom.js";
+import { button, Frame } from "./dom.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 import { blankOf, canShow, isFixed, isSimple, shapeOf, shownAs } from "./tree.js";
 import { isObject, withMember } from "./value.js";
 

@@ -1,11 +1,14 @@
 // Takes rows of numbers that are pasted, dropped or in a file, says what it understood, and can undo it.
-import { button, el } from "./dom.js";
-import { TEXTS } from "./texts.js";
+import { el } from "../dom.js";
+import { button } from "./dom.js";
+import { parseTable } from "../paste.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 
 /** @typedef {import("./dom.js").Context} Context */
 /** @typedef {import("../paste.js").Table} Table */
 /**
  * @typedef {object} Target
+ * @property {{least: number, most: number, columns: string[]}} width  how many numbers a row may have, and their names
  * @property {(text: string) => {value: unknown, note: string} | null} read  null where there are no numbers
  * @property {() => unknown} current
  * @property {(value: unknown) => void} apply
@@ -20,6 +23,7 @@ const LINES = 3;
 export class PasteBox {
   /** @param {Context} context @param {string} label  of the table @param {Target} target */
   constructor(context, label, target) {
+    this.label = label;
     this.target = target;
     context.boxes.push(this);
     /** @type {unknown} */
@@ -57,6 +61,21 @@ export class PasteBox {
       if (file) this.#load(file);
       else this.take(event.dataTransfer?.getData("text/plain") ?? "");
     });
+  }
+
+  /** @returns {string} what was said last */
+  get told() {
+    return this.note.textContent ?? "";
+  }
+
+  /**
+   * @param {string} text
+   * @returns {boolean}  whether the rows of a text are as wide as those of the table
+   */
+  fits(text) {
+    const { least, most } = this.target.width;
+    const { rows } = parseTable(text, this.target.width);
+    return rows.length > 0 && rows.every((row) => row.length >= least && row.length <= most);
   }
 
   /**

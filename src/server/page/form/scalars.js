@@ -1,8 +1,9 @@
 // The fields of one value: numbers, texts, choices, and a few numbers side by side.
 import { parseTable } from "../paste.js";
-import { button, el, Frame, rich, setInvalid } from "./dom.js";
+import { el, rich } from "../dom.js";
+import { button, Frame, setInvalid } from "./dom.js";
 import { numberProblem, rangeText, readNumber, shownValue, typedValue } from "./number.js";
-import { TEXTS } from "./texts.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 
 /** @typedef {import("./dom.js").Control} Control */
 /** @typedef {import("./dom.js").Context} Context */

@@ -1,11 +1,12 @@
 // A table of numbers. Only the rows and columns that are seen are in the document.
 import { parseTable } from "../paste.js";
-import { button, el, Frame, setInvalid } from "./dom.js";
+import { el } from "../dom.js";
+import { button, Frame, setInvalid } from "./dom.js";
 import { numberProblem, rangeText, readNumber, typedValue } from "./number.js";
 import { PasteBox, understood } from "./pastebox.js";
 import { cellAt, columnCount, valueOf, withBlock, withCell, withoutRow, withRow } from "./rows.js";
 import { keepTyped, numberInput } from "./scalars.js";
-import { TEXTS } from "./texts.js";
+import { FORM_TEXTS as TEXTS } from "../texts.js";
 
 /** @typedef {import("./dom.js").Control} Control */
 /** @typedef {import("./dom.js").Context} Context */
@@ -58,7 +59,9 @@ export class TableControl {
       el("tbody", { "aria-hidden": "true" }, el("tr", {}, this.below)));
     this.table = table;
     this.scroller = el("div", { class: "form-table", tabindex: -1, scroll: () => this.#scrolled() }, table);
+    this.width = field.kind === "numbers" ? { least: 1, most: 1, columns: [] } : field;
     this.box = new PasteBox(context, field.label, {
+      width: this.width,
       read: (text) => this.#read(text, 0, 0),
       current: () => this.rows,
       apply: (rows) => this.#change(/** @type {Rows} */ (rows)),
@@ -314,7 +317,7 @@ export class TableControl {
    * @returns {{value: Rows, note: string} | null}
    */
   #read(text, row, column) {
-    const table = parseTable(text, this.field.kind === "numbers" ? { least: 1, most: 1 } : this.field);
+    const table = parseTable(text, this.width);
     if (table.rows.length === 0) return null;
     const note = `${understood(table)}.`;
     if (row === 0 && column === 0) return { value: valueOf(this.field, table.rows), note };

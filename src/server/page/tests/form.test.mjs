@@ -1,17 +1,14 @@
 // Checks the form against the contract: every example is shown as a whole, and comes out as it went in.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { contractOf } from "../contract.js";
 import { fieldOf } from "../form/field.js";
-import { RequestForm } from "../form/form.js";
 import { JsonText } from "../form/json.js";
 import { canShow, fieldAt, shownAs } from "../form/tree.js";
 import { valueAt } from "../form/value.js";
-import { FakeElement, useFakeDocument } from "./form-dom.mjs";
+import { FakeElement } from "./form-dom.mjs";
+import { contract, example, formOf, inputOf, named, ofClass, openAll } from "./forms.mjs";
 
-const file = new URL("../../../../openapi/openapi.json", import.meta.url);
-const contract = contractOf(JSON.parse(readFileSync(file, "utf8")));
 const examples = contract.operations.flatMap((operation) =>
   [...operation.examples].map(([name, value]) => ({ name: `${operation.id} ${name}`, operation, value })));
 
@@ -22,44 +19,6 @@ function pathsOf(value, path = []) {
       pathsOf(part, [...path, Array.isArray(value) ? Number(name) : name]))
     : [];
   return [path, ...inner];
-}
-
-/** A form in a fake document. */
-function formOf(operation, value) {
-  useFakeDocument();
-  const host = new FakeElement("div");
-  const told = [];
-  const form = new RequestForm(host, contract, { onchange: (next) => told.push(next) });
-  form.show(operation, value);
-  return { form, host, told };
-}
-
-function example(path, name) {
-  const operation = contract.operations.find((one) => one.path === path);
-  return { operation, value: structuredClone(operation.examples.get(name)) };
-}
-
-/** The input whose label starts with a name, inside of the group with a legend. */
-function inputOf(host, label, legend = "") {
-  const group = legend === "" ? host
-    : host.all().find((node) => node.tag === "legend" && node.textContent.startsWith(legend)).parentElement;
-  const found = group.all().find((node) => node.tag === "label" && node.textContent.startsWith(label));
-  return found.querySelector("input") ?? host.all().find((node) => node.id === found.getAttribute("for"));
-}
-
-/** Opens all closed sections. */
-function openAll(host) {
-  for (const node of host.all().filter(({ tag }) => tag === "details")) node.open = true;
-}
-
-/** Elements of a class. */
-function ofClass(host, name) {
-  return host.all().filter((node) => node.getAttribute("class") === name);
-}
-
-/** The element with a label for screen readers. */
-function named(host, label) {
-  return host.all().find((node) => node.getAttribute("aria-label") === label);
 }
 
 test("the contract lists every operation with a JSON body once", () => {
@@ -78,7 +37,7 @@ test("a new operation appears by itself, and a reference may lead on to another"
       A: { $ref: "#/components/schemas/B", description: "outer" }, B: { type: "object" },
     } },
   });
-  assert.equal(operations[0].title, "New.");
+  assert.equal(operations[0].title, "New");
   assert.deepEqual(operations[0].examples.get("one"), { n: 1 });
   assert.deepEqual(resolve(operations[0].schema), { type: "object", description: "outer" });
   assert.deepEqual(contractOf({}).operations, []);
@@ -165,7 +124,8 @@ test("an optional object is added and removed by buttons", () => {
   press("Add Entry");
   inputOf(host, "Ramp angle", "Entry").type("3");
   assert.deepEqual(form.value.entry, { ramp_angle_deg: 3 });
-  assert.ok(host.textContent.includes("4 more"));
+  const entry = fieldAt(fieldOf(contract.resolve, operation.schema), form.value, ["entry"]);
+  assert.ok(host.textContent.includes(`${entry.members().length} more`));
 });
 
 test("errors stand at the fields that they name, in closed sections too", () => {
@@ -198,7 +158,7 @@ test("an error of an entry far down a list opens its page, and one of a variant 
   value.path = Array.from({ length: 1000 }, () => value.path[0]);
   const { form, host } = formOf(operation, value);
   form.setErrors([{ pointer: "#/path/777/tip/1", detail: "too far" }]);
-  assert.ok(host.querySelectorAll("summary").some((node) => node.textContent.startsWith("Path 778:")));
+  assert.ok(host.querySelectorAll("summary").some((node) => node.textContent.startsWith("Pose 778:")));
   document.activeElement.type("5");
   assert.equal(form.value.path[777].tip[1], 5);
   assert.equal(form.value.path[776], value.path[776]);
@@ -235,9 +195,11 @@ test("a table takes what is pasted, and holds few rows of a long list", () => {
   assert.match(host.textContent, /2 rows of 2 numbers, separated by semicolons, decimal comma; header: x, y/);
   ofClass(host, "form-button").find((node) => node.textContent === "Undo" && !node.hidden).dispatch("click");
   assert.equal(form.value.polyline.length, 100_000);
-  assert.ok(form.takePoints("1 2 3\n4 5 6"));
+  const taken = form.takePoints("# measured\nx\ty\tz\n1\t2\t3\n\n4\t5\t6\n");
   assert.deepEqual(form.value.polyline, [[1, 2, 3], [4, 5, 6]]);
-  assert.ok(!form.takePoints("nothing"));
+  assert.deepEqual([taken.label, taken.note],
+    ["Polyline", "2 rows of 3 numbers, separated by tabs, whole numbers; header: x, y, z."]);
+  for (const text of ["nothing", "1 2 3 4", "1"]) assert.equal(form.takePoints(text), null, text);
 });
 
 test("keys move between the cells of a table, add rows and remove them", () => {

@@ -8,6 +8,7 @@ import { numberProblem, readNumber, typedValue } from "../form/number.js";
 import { understood } from "../form/pastebox.js";
 import { columnCount, withBlock, withCell, withoutRow, withRow } from "../form/rows.js";
 import { pathOf, withMember, withValueAt } from "../form/value.js";
+import { opened } from "../open.js";
 import { gridOf, parseTable } from "../paste.js";
 
 const file = new URL("../../../../openapi/openapi.json", import.meta.url);
@@ -39,6 +40,19 @@ test("tables of text are read with the separator and the decimal sign of the who
   assert.equal(told, "2 rows of 2 numbers, separated by tabs, decimal comma");
   const long = parseTable(`${"1;2\n".repeat(30_000)}1,5;2,5`);
   assert.deepEqual([long.rows.length, long.rows.at(-1), long.decimal], [30_001, [1.5, 2.5], ","]);
+});
+
+test("an opened file is known by its text", () => {
+  const kinds = {
+    json: ['{"nc": "G0 X1"}', " {}\n"],
+    table: ["x,y,z\n1,2,3\n", "X;Y\n1,5;2\n3;4", "1\t2\n3\t4", "# comment\n\n0 0\n1 0\n", "[[1, 2], [3, 4]]",
+      "point 1\n1 2\n3 4\n5 6", "\uFEFF1;2;3\r\n4;5;6\r\n"],
+    nc: ["%\nO0001\nN10 G0 X1 Y2\nX5\n", "G1X1Y2F100", "0 BEGIN PGM A MM\n1 L X+1 Y+2", "(only)\nG0\n", "/N5 X-.5"],
+    cl: ["$$ a blade\nPARTNO/BLADE\nUNITS/MM\nGOTO/1,2,3,0,0,1\n"],
+    unknown: ["", "Dear reader,\nthis is a letter.", "[1, 2", "[]"],
+  };
+  for (const [kind, texts] of Object.entries(kinds)) for (const text of texts) assert.equal(opened(text).kind, kind, text);
+  assert.equal(opened("[[1, 2], [3, 4]]").text, "1\t2\n3\t4");
 });
 
 test("points are split into the rows of a grid", () => {

@@ -1,79 +1,17 @@
-// Checks of the 3D view that need no browser: camera, path, cutter, sweep, material, pick and colours.
+// Checks of the 3D view that need no browser: camera, path, pick, colours and scene.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Camera, VIEWS } from "../view/camera.js";
+import { VIEWS } from "../view/camera.js";
 import { colorTable, countKinds, KIND_COLORS, legendRows, paint, rgb } from "../view/colors.js";
 import { gridOf } from "../view/grid.js";
 import { parseColor } from "../view/labels.js";
-import { Material } from "../view/material.js";
 import { add, boxOf, corners, dot, norm, placed, roundDown, scale, sub } from "../view/math.js";
 import { PathBoxes } from "../view/pick.js";
 import { Scene } from "../view/scene.js";
-import { sweptHeight } from "../view/sweep.js";
-import {
-  isJoined, isUpright, MARK, marksOf, poseAt, simplify, thinned, vertexAfter,
-} from "../view/timeline.js";
-import { cutterOf, heightOf, outlines, turned } from "../view/tool.js";
+import { isJoined, isUpright, MARK, marksOf, poseAt, simplify, thinned, vertexAfter } from "../view/timeline.js";
 import { KINDS } from "../view/types.js";
-
-const TOOLS = [
-  { shape: "flat", diameter_mm: 10 },
-  { shape: "ball", diameter_mm: 10 },
-  { shape: "bull_nose", diameter_mm: 10, corner_radius_mm: 2 },
-  { shape: "v", diameter_mm: 10, tip_angle_deg: 90 },
-  { shape: "v", diameter_mm: 10, tip_angle_deg: 60, tip_diameter_mm: 1 },
-  { shape: "cone", diameter_mm: 10, taper_angle_deg: 20, tip_diameter_mm: 4 },
-  { shape: "drill", diameter_mm: 10 },
-];
-
-/** Numbers that look random and are the same in every run. */
-function randomNumbers(seed) {
-  let state = seed;
-  return () => {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    return state / 2 ** 32;
-  };
-}
-
-/** A path through points; one kind, one mm a second. */
-function pathThrough(points, { kinds, strips } = {}) {
-  const positions = Float32Array.from(points.flat());
-  const times = new Float32Array(points.length);
-  for (let i = 1; i < points.length; i++) times[i] = times[i - 1] + norm(sub(points[i], points[i - 1]));
-  return {
-    positions, times, kinds: Uint8Array.from(kinds ?? points.map(() => 1)),
-    feeds: new Float32Array(points.length).fill(60), blocks: Uint32Array.from(points, (_, i) => i + 1),
-    deviations: null, axes: null,
-    strips: strips ?? [{ first: 0, count: points.length, name: "path", pass: 0, level: null }],
-  };
-}
-
-/** A spiral of n vertices with turns of 100 vertices, 100 mm wide. */
-function spiral(n) {
-  const points = [];
-  for (let i = 0; i < n; i++) {
-    const [angle, r] = [(2 * Math.PI * i) / 100, (50 * i) / n];
-    points.push([r * Math.cos(angle), r * Math.sin(angle), -i / n]);
-  }
-  return pathThrough(points);
-}
-
-function cameraAt(yaw, pitch, orthographic) {
-  const camera = new Camera();
-  Object.assign(camera, { width: 800, height: 600, orthographic, animated: false });
-  camera.box = { min: [-30, -10, -5], max: [70, 40, 15] };
-  camera.fit();
-  camera.orbit(yaw, pitch);
-  return camera;
-}
-
-function transformed(matrix, [x, y, z], w = 1) {
-  return [0, 1, 2, 3].map((k) => matrix[k] * x + matrix[4 + k] * y + matrix[8 + k] * z + matrix[12 + k] * w);
-}
-
-const near = (a, b, tolerance, text = "") =>
-  assert.ok(Math.abs(a - b) <= tolerance, `${text} ${a} is not ${b}`);
+import { cameraAt, near, pathThrough, randomNumbers, spiral, standIn, toSegment, transformed } from "./view-aids.mjs";
 
 for (const orthographic of [false, true]) {
   const name = orthographic ? "orthographic" : "perspective";
@@ -172,77 +110,6 @@ test("a camera inside of the box keeps its near plane before the eye", () => {
   assert.ok(plane > 0 && projection.every(Number.isFinite));
 });
 
-for (const tool of TOOLS) {
-  const cutter = cutterOf(tool);
-  const name = `${tool.shape} ${tool.tip_diameter_mm ?? ""}`;
-
-  test(`${name}: the outline to draw is the lower side that cuts`, () => {
-    const [lower] = outlines(tool);
-    for (const [r, z] of lower.points.slice(0, -2)) near(heightOf(cutter, r), z, 1e-9, `at ${r}`);
-    assert.equal(heightOf(cutter, cutter.radius * 1.001), Infinity);
-  });
-
-  test(`${name}: the height after a stretch is the least of the cutter along it`, () => {
-    const random = randomNumbers(7);
-    for (let k = 0; k < 400; k++) {
-      const [length, z1] = [random() * 20, k % 4 === 0 ? 0 : (random() - 0.5) * 30];
-      const [u, v] = [random() * 32 - 6, random() * 11 - 5.5];
-      let least = Infinity;
-      for (let i = 0; i <= 4000; i++) {
-        const t = i / 4000;
-        least = Math.min(least, z1 * t + heightOf(cutter, Math.hypot(u - t * length, v)));
-      }
-      const height = sweptHeight(cutter, length, 0, z1, u, v);
-      assert.ok(height <= least + 1e-5, `${height} is above ${least}`);
-      // At the rim the steps above may miss the place, or the lowest point of a steep side.
-      const rim = toSegment([u, v, 0], [0, 0, 0], [length, 0, 0]) > cutter.radius - 0.02;
-      const apart = least - height;
-      if (!rim) assert.ok(!(apart > 0.05), `${height}, not ${least}, at ${u} ${v} of ${length} ${z1}`);
-      assert.ok(height >= Math.min(0, z1) - 1e-9, "never below the tip");
-    }
-  });
-
-  test(`${name}: a plunge leaves the cutter's own shape`, () => {
-    for (const r of [0, 1, 2.5, 4.9]) {
-      near(sweptHeight(cutter, 0, 5, -3, r, 0), heightOf(cutter, r) - 3, 1e-9);
-    }
-    assert.equal(sweptHeight(cutter, 0, 5, -3, 5.01, 0), Infinity);
-  });
-
-  test(`${name}: the body to draw has unit normals that point outwards`, () => {
-    const { positions, normals, indices, ranges } = turned(outlines({ ...tool, length_mm: 40 }));
-    assert.equal(ranges.reduce((sum, { count }) => sum + count, 0), indices.length);
-    assert.ok(indices.every((i) => 3 * i < positions.length));
-    for (let i = 0; i < positions.length; i += 3) {
-      near(Math.hypot(normals[i], normals[i + 1], normals[i + 2]), 1, 1e-5);
-      assert.ok(normals[i] * positions[i] + normals[i + 1] * positions[i + 1] >= -1e-5);
-    }
-    near(boxOf(positions).max[2], 40, 1e-5);
-  });
-}
-
-test("a ball that moves level leaves a groove of its radius", () => {
-  const cutter = cutterOf({ shape: "ball", diameter_mm: 10 });
-  near(sweptHeight(cutter, 20, 2, 2, 10, 3), 2 + 5 - 4, 1e-12);
-  near(sweptHeight(cutter, 20, 2, 2, -4, 0), 2 + 5 - 3, 1e-12);
-});
-
-test("a ball that climbs at 45 degrees leaves a cylinder across the slope", () => {
-  const cutter = cutterOf({ shape: "ball", diameter_mm: 10 });
-  // The centre's line is z = u + 5; the lowest point of the cylinder about it is 5 sqrt(2) below.
-  near(sweptHeight(cutter, 40, 0, 40, 20, 0), 25 - 5 * Math.SQRT2, 1e-9);
-});
-
-test("holder and shank stand on the cutter", () => {
-  const parts = outlines({
-    shape: "flat", diameter_mm: 6, flute_length_mm: 12, length_mm: 30,
-    holder: [{ length_mm: 10, diameter_mm: 20, top_diameter_mm: 30 }, { length_mm: 5, diameter_mm: 40 }],
-  });
-  assert.deepEqual(parts.map(({ part }) => part), ["cutter", "shank", "holder"]);
-  assert.deepEqual(parts[2].points, [[0, 30], [10, 30], [15, 40], [20, 40], [20, 45], [0, 45]]);
-  assert.ok(outlines({ shape: "flat", diameter_mm: NaN }).flatMap(({ points }) => points).length > 0);
-});
-
 test("a placed body stands at the tip along the axis", () => {
   const axis = [0.6, 0, 0.8];
   const matrix = placed([1, 2, 3], axis);
@@ -300,12 +167,6 @@ test("a simplified path stays within twice the tolerance, and turns back where t
     for (let i = kept[k - 1]; i <= kept[k]; i++) near(toSegment(points[i], a, b), 0, 0.2001);
   }
 });
-
-function toSegment(p, a, b) {
-  const way = sub(b, a);
-  const t = Math.min(1, Math.max(0, dot(sub(p, a), way) / (dot(way, way) || 1)));
-  return norm(sub(p, add(a, scale(way, t))));
-}
 
 test("a thinned path holds its budget, and never joins what is apart", () => {
   const random = randomNumbers(5);
@@ -470,96 +331,6 @@ test("colours of the page are read in both notations", () => {
   assert.deepEqual(parseColor("color(srgb 0.1 0.2 1)"), [0.1, 0.2, 1]);
 });
 
-/** A stand-in of WebGL2 that keeps height maps as lists of stretches; what it draws it forgets. */
-function standIn() {
-  const state = { batch: [], drawn: 0, bound: {}, lists: new Map() };
-  const list = (target) => state.lists.get(state.bound[target]) ?? [];
-  const own = {
-    bindFramebuffer(target, buffer) {
-      for (const one of target === "FRAMEBUFFER" ? ["DRAW_FRAMEBUFFER", "READ_FRAMEBUFFER"] : [target]) {
-        state.bound[one] = buffer;
-      }
-    },
-    bufferSubData: (_, __, data, ___, count) => { state.batch = Array.from(data.subarray(0, count)); },
-    clearBufferfv: () => state.lists.set(state.bound.DRAW_FRAMEBUFFER, []),
-    blitFramebuffer: () => state.lists.set(state.bound.DRAW_FRAMEBUFFER, [...list("READ_FRAMEBUFFER")]),
-    drawArrays(_, __, count) {
-      const drawn = state.batch.filter((_, i) => i % 36 < 6);
-      state.lists.set(state.bound.DRAW_FRAMEBUFFER, [...list("DRAW_FRAMEBUFFER"), ...drawn]);
-      state.drawn += count / 6;
-    },
-    getAttribLocation: () => 0,
-    isContextLost: () => false,
-  };
-  const gl = new Proxy(own, { get: (_, key) => own[key] ?? (/^[A-Z0-9_]+$/.test(key) ? key : () => ({})) });
-  return { gl, state };
-}
-
-/** Heights of places after a list of stretches; the stock's top is `top`. */
-function heightsOf(stretches, cutter, places, top) {
-  return places.map(([x, y]) => {
-    let height = top;
-    for (let i = 0; i < stretches.length; i += 6) {
-      const [ax, ay, az, bx, by, bz] = stretches.slice(i, i + 6);
-      const length = Math.hypot(bx - ax, by - ay);
-      const [dx, dy] = length > 1e-6 ? [(bx - ax) / length, (by - ay) / length] : [1, 0];
-      const [px, py] = [x - ax, y - ay];
-      height = Math.min(height, sweptHeight(cutter, length, az, bz, px * dx + py * dy, py * dx - px * dy));
-    }
-    return Math.max(height, 0);
-  });
-}
-
-/** All stretches of a path before a time, moved by `origin`. */
-function stretchesUntil(path, time, origin) {
-  const all = [];
-  for (let i = 1; i < path.times.length && path.times[i - 1] < time; i++) {
-    const place = (v) => [0, 1, 2].map((k) => path.positions[3 * v + k] - origin[k]);
-    const t = Math.min(1, (time - path.times[i - 1]) / (path.times[i] - path.times[i - 1]));
-    all.push(...place(i - 1), ...add(place(i - 1), scale(sub(place(i), place(i - 1)), t)));
-  }
-  return all;
-}
-
-test("the material at a time is the same from whichever time it comes", () => {
-  const random = randomNumbers(9);
-  const points = [[5, 5, 12]];
-  for (let row = 0; row < 30; row++) {
-    const [from, to] = row % 2 ? [75, 5] : [5, 75];
-    for (let i = 0; i <= 20; i++) {
-      points.push([from + ((to - from) * i) / 20, 5 + row, 6 + 2 * Math.sin(i / 3)]);
-    }
-  }
-  const path = pathThrough(points);
-  const stock = { min: [0, 0, 0], max: [80, 40, 10] };
-  const cutter = cutterOf({ shape: "ball", diameter_mm: 8 });
-  const { gl, state } = standIn();
-  const material = new Material(gl, path, marksOf(path), cutter, stock);
-  const places = Array.from({ length: 40 }, () => [random() * 80, random() * 40]);
-  const end = path.times.at(-1);
-  for (const share of [0.02, 0.0203, 0.021, 0.5, 0.9, 0.4999, 0.3, 1, 0.05, 0, 1, 0.77]) {
-    material.setTime(share * end);
-    for (let k = 0; material.isBusy && k < 1000; k++) material.step();
-    assert.ok(!material.isBusy);
-    const expected = heightsOf(stretchesUntil(path, share * end, stock.min), cutter, places, 10);
-    const heights = heightsOf(state.lists.get(material.map.buffer), cutter, places, 10);
-    heights.forEach((height, i) => near(height, expected[i], 0.02, `at ${share} of the time:`));
-  }
-});
-
-test("a small step in time draws few stretches", () => {
-  const path = spiral(20000);
-  const { gl, state } = standIn();
-  const stock = { min: [-50, -50, -2], max: [50, 50, 0] };
-  const material = new Material(gl, path, marksOf(path), cutterOf({ shape: "flat", diameter_mm: 1 }), stock);
-  material.setTime(path.times[15000]);
-  while (material.isBusy) material.step();
-  state.drawn = 0;
-  material.setTime(path.times[15010]);
-  while (material.isBusy) material.step();
-  assert.ok(state.drawn > 0 && state.drawn <= 11, `${state.drawn}`);
-});
-
 test("a scene takes anything: nothing, broken paths, empty parts, five axes", () => {
   const { gl } = standIn();
   const scene = new Scene(gl);
@@ -576,7 +347,7 @@ test("a scene takes anything: nothing, broken paths, empty parts, five axes", ()
     scene.setVisible("material", true);
     for (const time of [0, 3, Infinity, 1]) {
       scene.time = time;
-      scene.cut();
+      scene.cut(50);
     }
     scene.highlight(3);
     scene.highlight(null);

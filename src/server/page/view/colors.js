@@ -3,7 +3,7 @@
 import { isJoined, MARK, vertexCount } from "./timeline.js";
 import { at } from "./math.js";
 import { KINDS } from "./types.js";
-import { TEXTS } from "./texts.js";
+import { VIEW_TEXTS as TEXTS } from "../texts.js";
 /** @import { ColorBy, LegendRow, PathData } from "./types.js" */
 
 /** Colours of the kinds; people who see fewer colours tell them apart, on light and on dark ground. */
@@ -16,7 +16,7 @@ const DIVERGING = ["#2a6fdb", "#8c929b", "#e0650a"];
 const UNKNOWN = "#8c929b";
 export const LEFT_COLORS = Object.freeze(["#9fb3a6", "#d8a21c", "#d9620f"]);
 export const GOUGE_COLOR = "#a3195b";
-/** Levels that the legend names one by one; with more it shows a ramp. */
+/** Levels and passes that the legend names one by one; with more it shows a ramp. */
 const NAMED_LEVELS = 8;
 
 /** What the colours mean: entry 0 of the table is for what is unknown, 1 to 255 run from `from` to `to`.
@@ -55,7 +55,7 @@ export function colorTable(by) {
  * @param {Uint8Array} marks @param {ColorBy} by @returns {Coloring} */
 export function paint(path, marks, by) {
   const n = vertexCount(path);
-  if (by === "level") return paintLevels(path, marks, n);
+  if (by === "level" || by === "pass") return paintStrips(path, marks, n, by);
   const values = by === "feed" ? path.feeds : by === "deviation" ? path.deviations : null;
   if (!values) {
     for (let i = 0; i < n; i++) marks[MARK * i + 1] = by === "kind" ? at(marks, MARK * i) : 0;
@@ -85,21 +85,23 @@ function paintValues(values, marks, n, by) {
   return { by, from, to, known, unknown, levels: [] };
 }
 
-/** @param {PathData} path @param {Uint8Array} marks @param {number} n @returns {Coloring} */
-function paintLevels(path, marks, n) {
-  const told = path.strips.map((strip) => strip.level).filter((level) => level !== null);
+/** @param {PathData} path @param {Uint8Array} marks @param {number} n @param {"level"|"pass"} by
+ * @returns {Coloring} */
+function paintStrips(path, marks, n, by) {
+  const told = path.strips.map((strip) => strip[by]).filter((level) => level !== null);
   const levels = [...new Set(told)].sort((a, b) => a - b);
   const rank = new Map(levels.map((level, index) => [level, levelEntry(index, levels.length)]));
   for (let i = 0; i < n; i++) marks[MARK * i + 1] = 0;
   let unknown = false;
-  for (const { first, count, level } of path.strips) {
+  for (const strip of path.strips) {
+    const { first, count, [by]: level } = strip;
     const entry = level === null ? 0 : rank.get(level) ?? 0;
     unknown ||= entry === 0;
     const end = Math.min(first + count, n);
     for (let i = Math.max(first, 0); i < end; i++) marks[MARK * i + 1] = entry;
   }
   const [from, to] = [levels[0] ?? 0, levels.at(-1) ?? 0];
-  return { by: "level", from, to, known: levels.length > 0, unknown, levels };
+  return { by, from, to, known: levels.length > 0, unknown, levels };
 }
 
 /** @param {number} index @param {number} count */
@@ -120,11 +122,11 @@ export function legendRows(coloring, counts, isVisible) {
       colors: [KIND_COLORS[kind] ?? UNKNOWN],
     })]));
   }
-  const unknown = { feed: TEXTS.noFeed, deviation: TEXTS.noDeviation, level: TEXTS.noLevel }[by];
+  const unknown = { feed: TEXTS.noFeed, deviation: TEXTS.noDeviation, level: TEXTS.noLevel, pass: TEXTS.noPass }[by];
   const rest = coloring.unknown ? [row({ label: unknown, colors: [UNKNOWN] })] : [];
-  if (by === "level" && levels.length <= NAMED_LEVELS) {
+  if ((by === "level" || by === "pass") && levels.length <= NAMED_LEVELS) {
     return [...levels.map((level, i) => row({
-      label: `${TEXTS.level} ${level}`,
+      label: `${TEXTS[by]} ${level}`,
       colors: [hex(between(RAMP, (levelEntry(i, levels.length) - 1) / 254))],
     })), ...rest];
   }

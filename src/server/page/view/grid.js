@@ -60,18 +60,10 @@ export function axisEnds(box) {
   return [[length, 0, 0], [0, length, 0], [0, 0, length]];
 }
 
-/** @param {Box} box @param {Color} color @returns {number[]} the twelve edges */
-function edgeLines({ min, max }, color) {
+/** @param {number[]} ends both ends of each edge @param {Color} color */
+function edgeLines(ends, color) {
   /** @type {number[]} */ const lines = [];
-  for (const axis of [0, 1, 2]) {
-    for (const side of [0, 1, 2, 3]) {
-      const from = [0, 0, 0].map((_, k) => {
-        const bit = k === (axis + 1) % 3 ? side & 1 : k === (axis + 2) % 3 ? side >> 1 : 0;
-        return (bit ? max[k] : min[k]) ?? 0;
-      });
-      lines.push(...from, ...from.map((x, k) => (k === axis ? max[k] ?? x : x)), ...color, 1.2);
-    }
-  }
+  for (let k = 0; k < ends.length; k += 6) lines.push(...ends.slice(k, k + 6), ...color, 1.2);
   return lines;
 }
 
@@ -89,11 +81,11 @@ export class Furniture {
     this.#array = gl.createVertexArray();
   }
 
-  /** @param {Box} box of the scene @param {Box|null} stock whose edges are drawn @param {Theme} theme */
+  /** @param {Box} box of the scene @param {number[]} stock both ends of each of its edges @param {Theme} theme */
   set(box, stock, theme) {
     const gl = this.#gl;
     const axes = axisEnds(box).flatMap((end, k) => [0, 0, 0, ...end, ...(AXIS_COLORS[k] ?? theme.grid), 2.4]);
-    const lines = [...axes, ...gridLines(box, theme.grid), ...(stock ? edgeLines(stock, theme.stock) : [])];
+    const lines = [...axes, ...gridLines(box, theme.grid), ...edgeLines(stock, theme.stock)];
     gl.deleteBuffer(this.#buffer);
     this.#buffer = bufferOf(gl, Float32Array.from(lines));
     this.#count = lines.length / LINE;

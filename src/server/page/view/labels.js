@@ -2,7 +2,7 @@
 
 import { axisEnds, gridOf } from "./grid.js";
 import { figure } from "./math.js";
-import { TEXTS } from "./texts.js";
+import { VIEW_TEXTS as TEXTS } from "../texts.js";
 /** @import { Camera } from "./camera.js" */
 /** @import { Color, Theme } from "./gl.js" */
 /** @import { Box } from "./types.js" */
@@ -24,6 +24,7 @@ export const sizeOf = ({ min, max }) => max.map((x, k) => figure(x - (min[k] ?? 
 export class Labels {
   #host = document.createElement("div");
   #scale = document.createElement("p");
+  #cutting = document.createElement("p");
   #probe = document.createElement("span");
   #axes = TEXTS.axes.map((text) => this.#letter(text));
   #canvas;
@@ -34,8 +35,10 @@ export class Labels {
     this.#host.className = "view-labels";
     this.#host.setAttribute("aria-hidden", "true");
     this.#scale.className = "view-scale";
+    this.#cutting.className = "view-cutting";
+    this.#cutting.hidden = true;
     this.#probe.hidden = true;
-    this.#host.append(this.#scale, ...this.#axes, this.#probe);
+    this.#host.append(this.#scale, this.#cutting, ...this.#axes, this.#probe);
     canvas.classList.add("view-canvas");
     canvas.parentElement?.classList.add("view-host");
     canvas.after(this.#host);
@@ -62,6 +65,12 @@ export class Labels {
   set(box, sized) {
     this.#host.hidden = !box;
     if (box) this.#scale.textContent = TEXTS.scale(figure(gridOf(box).spacing), sizeOf(sized ?? box));
+  }
+
+  /** Tells how much of the way to the present time the material is cut. @param {number|null} share null: all */
+  tellCutting(share) {
+    this.#cutting.hidden = share === null;
+    if (share !== null) this.#cutting.textContent = TEXTS.cutting(Math.floor(100 * share));
   }
 
   /** Puts the letters to the ends of the axes. @param {Camera} camera @param {Box} box */

@@ -4,10 +4,10 @@
 // cutter over each cell as its depth, and the depth test keeps the lowest. So the order of the stretches
 // does not matter, and no extension is needed. Depth 0 is the bottom of the stock, depth 1 its top.
 
-import { bindTexture, point, Program, RECTANGLE_GLSL, textureOf } from "./gl.js";
-import { pointAt, real, sub } from "./math.js";
+import { bindTexture, Program, textureOf } from "./gl.js";
+import { real } from "./math.js";
 import { isJoined, MARK, poseAt, simplify } from "./timeline.js";
-import { HALVINGS } from "./sweep.js";
+import { Stretches } from "./stretches.js";
 /** @import { GL } from "./gl.js" */
 /** @import { Mesh } from "./mesh.js" */
 /** @import { Cutter } from "./tool.js" */
@@ -17,78 +17,13 @@ import { HALVINGS } from "./sweep.js";
 const CELLS = 1024;
 /** Copies of the map on the way, for going back in time; 4 MB each. */
 const CHECKPOINTS = 8;
-/** Stretches drawn at once. */
-const BATCH = 4096;
+/** Vertices that are looked at before the next bit of the path is cut. */
+const VERTICES_AT_ONCE = 65_536;
 /** Straight runs are drawn as one stretch where that moves the cutter by at most a tenth of a cell. */
 const TOLERANCE_CELLS = 0.05;
-/** Cells that a step may lower at first, until its speed is known; and the least. */
-const [FIRST_CELLS, LEAST_CELLS, MOST_CELLS] = [4e6, 2e6, 2e9];
-/** A stretch costs at least as much as so many cells. */
-const STRETCH_CELLS = 150;
-/** What a step should take, in ms. */
-const STEP_MS = 50;
-
-const SWEEP_VERTEX = `${RECTANGLE_GLSL}
-in vec3 aFrom, aTo;
-uniform vec2 uExtent;
-uniform float uRadius;
-flat out vec3 vFrom;
-flat out vec4 vWay;
-void main() {
-  vec2 way = aTo.xy - aFrom.xy;
-  float size = length(way);
-  vec2 along = size > 1e-6 ? way / size : vec2(1.0, 0.0);
-  int which = rectangleCorner();
-  float u = (which & 1) == 1 ? size + uRadius : -uRadius;
-  float v = which < 2 ? -uRadius : uRadius;
-  vFrom = size > 1e-6 ? aFrom : vec3(aFrom.xy, min(aFrom.z, aTo.z));
-  vWay = vec4(along, size, size > 1e-6 ? (aTo.z - aFrom.z) / size : 0.0);
-  gl_Position = vec4((aFrom.xy + along * u + vec2(-along.y, along.x) * v) / uExtent * 2.0 - 1.0, 0.0, 1.0);
-}`;
-
-/** The shader's copy of `sweep.js`. */
-const SWEEP_FRAGMENT = `
-flat in vec3 vFrom;
-flat in vec4 vWay;
-uniform float uRadius, uFlat, uCorner, uSlope, uCell, uDepth;
-float height(float away) {
-  float over = away - uFlat;
-  if (over <= 0.0) return 0.0;
-  return uCorner > 0.0 ? uCorner - sqrt(max(uCorner * uCorner - over * over, 0.0)) : uSlope * over;
-}
-float rise(float q, float v) {
-  float away = sqrt(q * q + v * v);
-  float over = away - uFlat;
-  if (over <= 0.0) return 0.0;
-  float steep = uCorner > 0.0 ? over / sqrt(max(uCorner * uCorner - over * over, 1e-12)) : uSlope;
-  return -steep * q / away;
-}
-float travel(float slope, float u, float v, float low, float high) {
-  if (slope == 0.0) return clamp(u, low, high);
-  if (uFlat >= uRadius) return slope > 0.0 ? low : high;
-  if (uFlat == 0.0 && uCorner > 0.0) {
-    return clamp(u - slope * sqrt((uRadius * uRadius - v * v) / (1.0 + slope * slope)), low, high);
-  }
-  for (int i = 0; i < ${HALVINGS}; i++) {
-    float middle = (low + high) * 0.5;
-    if (slope + rise(u - middle, v) < 0.0) low = middle;
-    else high = middle;
-  }
-  return (low + high) * 0.5;
-}
-void main() {
-  vec2 place = gl_FragCoord.xy * uCell - vFrom.xy;
-  float u = dot(place, vWay.xy);
-  float v = dot(place, vec2(-vWay.y, vWay.x));
-  float reach = uRadius * uRadius - v * v;
-  if (reach < 0.0) discard;
-  float low = max(u - sqrt(reach), 0.0);
-  float high = min(u + sqrt(reach), vWay.z);
-  if (low > high) discard;
-  float t = travel(vWay.w, u, v, low, high);
-  float z = vFrom.z + vWay.w * t + height(min(length(vec2(u - t, v)), uRadius));
-  gl_FragDepth = clamp(z / uDepth, 0.0, 1.0);
-}`;
+/** Cells that are lowered in a ms, until the speed is known: without a graphics card. A step lowers at least
+ * so many cells; steps with fewer do not tell the speed. */
+const [FIRST_SPEED, LEAST_CELLS] = [4e4, 2e5];
 
 const PART_VERTEX = `
 layout(location = 0) in vec3 aPosition;
@@ -130,15 +65,14 @@ export class Material {
   /** Whether the map is not yet at the time asked for. */
   isBusy = false;
   /** @type {Map<number, HeightMap>} checkpoints by vertex */ #saved = new Map();
-  #allowance = FIRST_CELLS;
-  /** Both ends of each stretch, once for each of the six vertices of its rectangle. */
-  #batch = new Float32Array(36 * BATCH);
+  /** @type {HeightMap|null} heights of the stock; null where it fills its box */ #stock = null;
+  #speed = FIRST_SPEED;
+  /** Cells that the last step lowered. */
+  #lowered = 0;
   #gl;
   #path;
   #marks;
   #cutter;
-  #sweep;
-  #array;
   #stretches;
 
   /** @param {GL} gl @param {PathData} path @param {Uint8Array} marks
@@ -154,22 +88,10 @@ export class Material {
     this.columns = Math.max(2, Math.round((size[0] ?? 1) / this.cell));
     this.rows = Math.max(2, Math.round((size[1] ?? 1) / this.cell));
     this.depth = size[2] ?? 1;
-    this.#sweep = new Program(gl, SWEEP_VERTEX, SWEEP_FRAGMENT);
-    this.#array = gl.createVertexArray();
-    this.#stretches = gl.createBuffer();
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.#stretches);
-    gl.bufferData(gl.ARRAY_BUFFER, this.#batch.byteLength, gl.DYNAMIC_DRAW);
-    this.#layOut();
+    this.#stretches = new Stretches(gl, cutter, this.cell);
     this.map = this.#newMap();
     this.#clear(this.map, 1);
     /** @type {HeightMap|null} heights of the part; 0 where it is not */ this.part = null;
-  }
-
-  #layOut() {
-    this.#gl.bindVertexArray(this.#array);
-    point(this.#sweep, "aFrom", this.#stretches, 3, { stride: 24 });
-    point(this.#sweep, "aTo", this.#stretches, 3, { stride: 24, offset: 12 });
-    this.#gl.bindVertexArray(null);
   }
 
   /** @returns {HeightMap} */
@@ -201,21 +123,42 @@ export class Material {
     gl.blitFramebuffer(0, 0, w, h, 0, 0, w, h, gl.DEPTH_BUFFER_BIT, gl.NEAREST);
   }
 
+  /** The share of the way to the time asked for that is cut, 0 to 1. */
+  get share() { return this.#goal.vertex > 0 ? this.#done / this.#goal.vertex : 1; }
+
   /** Size of the map in mm. @returns {[number, number]} */
   get extent() { return [this.columns * this.cell, this.rows * this.cell]; }
 
   /** Draws the part's own heights, to compare the material with. @param {Mesh|null} mesh */
   setPart(mesh) {
-    if (!mesh) return;
+    if (mesh) this.part = this.#heightsOf(mesh);
+  }
+
+  /** Begins with the heights of a body in place of the whole box. @param {Mesh} body is disposed of */
+  setStock(body) {
+    this.#stock = this.#heightsOf(body);
+    body.dispose();
+    this.#fill();
+  }
+
+  /** Puts back all of the stock. */
+  #fill() {
+    if (this.#stock) this.#copy(this.#stock, this.map);
+    else this.#clear(this.map, 1);
+  }
+
+  /** The upper surface of a body; 0 where the body is not. @param {Mesh} mesh */
+  #heightsOf(mesh) {
     const gl = this.#gl;
-    this.part = this.#newMap();
-    this.#clear(this.part, 0);
+    const map = this.#newMap();
+    this.#clear(map, 0);
     const program = new Program(gl, PART_VERTEX, PART_FRAGMENT);
     program.use().set({ uOrigin: this.origin, uExtent: this.extent, uDepth: this.depth });
-    this.#begin(this.part, gl.GREATER);
+    this.#begin(map, gl.GREATER);
     mesh.drawPlain();
     this.#end();
     gl.deleteProgram(program.program);
+    return map;
   }
 
   /** @param {HeightMap} map @param {number} test */
@@ -259,19 +202,17 @@ export class Material {
     this.#reached = real(this.#path.times, this.#done);
     const saved = this.#saved.get(this.#done);
     if (saved) this.#copy(saved, this.map);
-    else this.#clear(this.map, 1);
+    else this.#fill();
   }
 
-  /** Cuts on towards the time asked for, as much as a step allows; false where there is nothing to do. */
-  step() {
+  /** Cuts on towards the time asked for; false where there is nothing to do.
+   * @param {number} ms how long it should take, about */
+  step(ms) {
     if (!this.isBusy) return false;
-    const { radius, flat, corner, slope } = this.#cutter;
-    this.#sweep.use().set({
-      uExtent: this.extent, uRadius: radius, uFlat: flat, uCorner: corner, uSlope: slope, uCell: this.cell,
-      uDepth: this.depth,
-    });
-    let left = this.#allowance;
+    const most = Math.max(LEAST_CELLS, ms * this.#speed);
+    let left = most;
     while (left > 0 && this.#done < this.#goal.vertex) left -= this.#cutRun(left);
+    this.#lowered = most - left;
     this.#reached = real(this.#path.times, this.#done);
     if (left > 0) this.#finish();
     this.#gl.bindFramebuffer(this.#gl.FRAMEBUFFER, null);
@@ -281,15 +222,21 @@ export class Material {
   /** Cuts the part of a stretch that lies before the time asked for. */
   #finish() {
     const { point, time } = this.#goal;
-    if (point && this.#put(0, pointAt(this.#path.positions, this.#done), point) > 0) this.#draw(1);
+    if (point) this.#put(...this.#tip(this.#done), point[0], point[1], point[2], false);
+    this.#draw();
     this.#reached = time;
     this.isBusy = false;
   }
 
+  /** @param {number} vertex @returns {[number, number, number]} */
+  #tip(vertex) {
+    const { positions } = this.#path;
+    return [real(positions, 3 * vertex), real(positions, 3 * vertex + 1), real(positions, 3 * vertex + 2)];
+  }
+
   /** Tells the material what its last step took. @param {number} elapsed ms */
   learn(elapsed) {
-    const factor = Math.min(Math.max(STEP_MS / Math.max(elapsed, 1), 0.4), 2);
-    this.#allowance = Math.min(Math.max(this.#allowance * factor, LEAST_CELLS), MOST_CELLS);
+    if (this.#lowered >= LEAST_CELLS) this.#speed = 0.5 * this.#speed + (0.5 * this.#lowered) / Math.max(elapsed, 0.5);
   }
 
   /** Cuts the next run of stretches.
@@ -297,49 +244,50 @@ export class Material {
   #cutRun(most) {
     const every = Math.max(1, Math.ceil(this.#marks.length / MARK / CHECKPOINTS));
     const checkpoint = (Math.floor(this.#done / every) + 1) * every;
-    const end = Math.min(this.#goal.vertex, checkpoint, this.#done + 8 * BATCH);
-    let [cells, count, before] = [0, 0, this.#done];
-    const { positions } = this.#path;
-    simplify(positions, this.#marks, this.#done, end, this.cell * TOLERANCE_CELLS, (vertex) => {
-      if (vertex > before && isJoined(this.#marks, vertex)) {
-        const own = this.#put(count, pointAt(positions, before), pointAt(positions, vertex));
-        if (own > 0) count++;
+    const end = Math.min(this.#goal.vertex, checkpoint, this.#done + VERTICES_AT_ONCE);
+    let [cells, before, follows] = [0, this.#done, false];
+    const p = this.#path.positions;
+    simplify(p, this.#marks, this.#done, end, this.cell * TOLERANCE_CELLS, (vertex) => {
+      if (vertex > before) {
+        const [a, b] = [3 * before, 3 * vertex];
+        const own = isJoined(this.#marks, vertex) ? this.#put(
+          real(p, a), real(p, a + 1), real(p, a + 2), real(p, b), real(p, b + 1), real(p, b + 2), follows) : 0;
+        follows = own > 0;
         cells += own;
       }
       before = vertex;
-      return count === BATCH || cells > most;
+      return this.#stretches.isFull || cells > most;
     });
-    this.#draw(count);
+    this.#draw();
+    // A vertex costs about as much as a cell, also where nothing is cut.
+    const looked = Math.max(before - this.#done, 1);
     this.#done = before;
     if (before === checkpoint && !this.#saved.has(before)) this.#save(before);
-    return cells + 1;
+    return cells + looked;
   }
 
-  /** Puts a stretch in the batch; 0 where it cannot touch the stock. @param {number} index
-   * @param {Vec3} a @param {Vec3} b @returns {number} cells that it covers, about */
-  #put(index, a, b) {
-    const [radius, [w, h], o] = [this.#cutter.radius, this.extent, this.origin];
-    const misses = Math.min(a[2], b[2]) >= o[2] + this.depth
-      || Math.max(a[0], b[0]) + radius < o[0] || Math.min(a[0], b[0]) - radius > o[0] + w
-      || Math.max(a[1], b[1]) + radius < o[1] || Math.min(a[1], b[1]) - radius > o[1] + h;
-    if (misses) return 0;
-    const ends = [...sub(a, o), ...sub(b, o)];
-    for (let corner = 0; corner < 6; corner++) this.#batch.set(ends, 36 * index + 6 * corner);
-    if (![...a, ...b].every(Number.isFinite)) return 0;
-    const area = (Math.hypot(b[0] - a[0], b[1] - a[1]) + 2 * radius) * 2 * radius;
-    return STRETCH_CELLS + Math.min(area / this.cell ** 2, this.columns * this.rows);
+  /** Puts a stretch in the batch; 0 where it cannot touch the stock.
+   * @param {number} x @param {number} y @param {number} z where it starts, mm
+   * @param {number} x1 @param {number} y1 @param {number} z1 where it ends
+   * @param {boolean} follows whether it follows the last one in the batch
+   * @returns {number} cells that it covers, about */
+  #put(x, y, z, x1, y1, z1, follows) {
+    const { radius } = this.#cutter;
+    const [w, h] = this.extent;
+    const [ox, oy, oz] = this.origin;
+    const touches = Math.min(z, z1) < oz + this.depth
+      && Math.max(x, x1) + radius >= ox && Math.min(x, x1) - radius <= ox + w
+      && Math.max(y, y1) + radius >= oy && Math.min(y, y1) - radius <= oy + h;
+    // A sum with a number that is none, or without end, is none either.
+    if (!touches || !(Math.abs(x + y + z + x1 + y1 + z1) < Infinity)) return 0;
+    return this.#stretches.add(x - ox, y - oy, z - oz, x1 - ox, y1 - oy, z1 - oz, follows);
   }
 
-  /** @param {number} count stretches of the batch */
-  #draw(count) {
-    if (count === 0) return;
-    const gl = this.#gl;
-    this.#begin(this.map, gl.LESS);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.#stretches);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.#batch, 0, 36 * count);
-    gl.bindVertexArray(this.#array);
-    gl.drawArrays(gl.TRIANGLES, 0, 6 * count);
-    gl.bindVertexArray(null);
+  /** Cuts the stretches of the batch. */
+  #draw() {
+    if (this.#stretches.count === 0) return;
+    this.#begin(this.map, this.#gl.LESS);
+    this.#stretches.draw(this.extent, this.depth);
     this.#end();
   }
 
@@ -376,12 +324,11 @@ export class Material {
 
   dispose() {
     const gl = this.#gl;
-    for (const map of [this.map, ...this.#saved.values(), ...(this.part ? [this.part] : [])]) {
+    for (const map of [this.map, ...this.#saved.values(), this.part, this.#stock]) {
+      if (!map) continue;
       gl.deleteTexture(map.texture);
       gl.deleteFramebuffer(map.buffer);
     }
-    gl.deleteBuffer(this.#stretches);
-    gl.deleteVertexArray(this.#array);
-    gl.deleteProgram(this.#sweep.program);
+    this.#stretches.dispose();
   }
 }

@@ -1,6 +1,7 @@
 // What is drawn: path, part, stock, tool and material, made anew from the data when the context was lost.
 
 import { countKinds, legendRows, materialRows } from "./colors.js";
+import { boxEdges, creases } from "./creases.js";
 import { Furniture } from "./grid.js";
 import { boxAround, boxOf, figure, placed } from "./math.js";
 import { Material } from "./material.js";
@@ -9,7 +10,7 @@ import { PathLayer } from "./path.js";
 import { PathBoxes } from "./pick.js";
 import { sizeOf } from "./labels.js";
 import { Surface } from "./surface.js";
-import { TEXTS } from "./texts.js";
+import { VIEW_TEXTS as TEXTS } from "../texts.js";
 import { isUpright, poseAt, stripOf } from "./timeline.js";
 import { cutterOf, outlines, turned } from "./tool.js";
 import { KINDS } from "./types.js";
@@ -24,10 +25,16 @@ const NAMES = /** @type {readonly string[]} */ ([...KINDS, "part", "stock", "too
 /** The box where it is one; else null. @param {Box|null} box */
 const sound = (box) => (box && box.max.every((x, k) => x > (box.min[k] ?? x)) ? box : null);
 
+/** Whether a body is a box as large as the box around it: all of its corners are corners of the box.
+ * @param {MeshData} body @param {Box} box */
+const fills = ({ positions }, { min, max }) => positions.every((x, k) => x === min[k % 3] || x === max[k % 3]);
+
 export class Scene {
   /** @type {PathData|null} */ path = null;
   /** @type {MeshData|null} */ part = null;
   /** @type {Box|null} */ stock = null;
+  /** @type {MeshData|null} what the stock is where it does not fill its box */ #stockBody = null;
+  /** @type {number[]} both ends of each edge of the stock */ #stockEdges = [];
   /** @type {ToolData|null} */ tool = null;
   /** Seconds; after the end the tool stands at the end. */
   time = Infinity;
@@ -72,9 +79,11 @@ export class Scene {
     this.#refresh();
   }
 
-  /** @param {Box|null} stock */
-  setStock(stock) {
+  /** @param {Box|null} stock @param {MeshData|null} body where it may not fill its box */
+  setStock(stock, body) {
     this.stock = sound(stock);
+    this.#stockBody = this.stock && body && !fills(body, this.stock) ? body : null;
+    this.#stockEdges = this.#stockBody ? creases(this.#stockBody) : this.stock ? boxEdges(this.stock) : [];
     this.#refresh();
   }
 
@@ -124,6 +133,7 @@ export class Scene {
     if (!this.isVisible("material") || this.obstacle || !this.stock || !this.tool || !layer) return;
     this.#material = new Material(this.#gl, layer.path, layer.marks, cutterOf(this.tool), this.stock);
     this.#material.setPart(this.#partMesh);
+    if (this.#stockBody) this.#material.setStock(new Mesh(this.#gl, this.#stockBody));
     this.#surface ??= new Surface(this.#gl);
   }
 
@@ -160,6 +170,9 @@ export class Scene {
   /** Whether the material is still on its way to the present time. */
   get isBusy() { return this.#material?.isBusy ?? false; }
 
+  /** The share of the way to the present time that is cut, 0 to 1. */
+  get cutShare() { return this.#material?.share ?? 1; }
+
   /** @param {boolean} coarse @param {number} elapsed ms */
   learn(coarse, elapsed) {
     if (this.#material) this.#surface?.learn(coarse, elapsed);
@@ -169,16 +182,17 @@ export class Scene {
   /** Tells the scene what a step of cutting took. @param {number} elapsed ms */
   learnCut(elapsed) { this.#material?.learn(elapsed); }
 
-  /** Cuts the material on towards the present time; false where there is nothing to cut. */
-  cut() {
+  /** Cuts the material on towards the present time; false where there is nothing to cut.
+   * @param {number} ms how long it may take, about */
+  cut(ms) {
     this.#material?.setTime(this.time);
-    return this.#material?.step() ?? false;
+    return this.#material?.step(ms) ?? false;
   }
 
   /** @param {Box} box of the scene @param {Theme} theme */
   setFurniture(box, theme) {
     this.#furniture ??= new Furniture(this.#gl);
-    this.#furniture.set(box, this.isVisible("stock") ? this.stock : null, theme);
+    this.#furniture.set(box, this.isVisible("stock") ? this.#stockEdges : [], theme);
   }
 
   /** @param {Frame} frame */

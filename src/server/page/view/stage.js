@@ -1,7 +1,7 @@
 // The canvas as a stage: the WebGL2 context, its size, smooth edges at rest, and how long a frame takes.
 
 import { NoWebGL } from "./gl.js";
-import { TEXTS } from "./texts.js";
+import { VIEW_TEXTS as TEXTS } from "../texts.js";
 /** @import { Camera } from "./camera.js" */
 /** @import { Frame, GL, Theme } from "./gl.js" */
 
@@ -11,6 +11,9 @@ const SAMPLES = 4;
 const SMOOTH_MS = 250;
 /** A picture that takes longer is drawn without smooth edges while the view moves: 30 frames a second. */
 const MOVING_MS = 28;
+/** A moving picture that takes longer, in ms, is drawn with half as many pixels each way; one that takes less
+ * than the second time, in ms, with all of them again. */
+const [HALF_MS, WHOLE_MS] = [24, 6];
 /** More pixels of the screen in a CSS pixel than this are not drawn one by one. */
 const MOST_RATIO = 2;
 /** Lines come nearer by this share of the camera's distance, so that the part does not hide them. */
@@ -23,6 +26,8 @@ export class Stage {
   #isSmooth = true;
   /** Whether a picture at rest takes too long for moving. */
   isSlow = false;
+  /** Pixels of a moving picture for a pixel of the canvas, each way. */
+  #share = 1;
   #canvas;
 
   /** @param {HTMLCanvasElement} canvas @throws {NoWebGL} */
@@ -46,11 +51,14 @@ export class Stage {
     return true;
   }
 
-  /** @param {Camera} camera @param {Theme} theme @param {boolean} coarse @returns {Frame} */
-  frame(camera, theme, coarse) {
+  /** @param {Camera} camera @param {Theme} theme @param {boolean} coarse
+   * @param {boolean} isMoving whether it may have fewer pixels @returns {Frame} */
+  frame(camera, theme, coarse, isMoving) {
+    const share = isMoving ? this.#share : 1;
+    const { width, height } = this.#canvas;
     return {
-      ...camera.matrices(), size: [this.#canvas.width, this.#canvas.height], ratio: this.ratio,
-      bias: camera.pose.distance * BIAS, coarse, theme,
+      ...camera.matrices(), size: [Math.ceil(width * share), Math.ceil(height * share)],
+      ratio: this.ratio * share, bias: camera.pose.distance * BIAS, coarse, theme,
     };
   }
 
@@ -60,8 +68,8 @@ export class Stage {
   draw(frame, layers, isKept = false) {
     const gl = this.gl;
     const [width, height] = frame.size;
-    const samples = isKept ? 0 : SAMPLES;
-    const isDirect = !isKept && (frame.coarse || !this.#isSmooth);
+    const samples = isKept || frame.coarse ? 0 : SAMPLES;
+    const isDirect = !isKept && width === this.#canvas.width && (frame.coarse || !this.#isSmooth);
     const target = isDirect ? null : this.#targetOf(width, height, samples);
     gl.bindFramebuffer(gl.FRAMEBUFFER, target);
     gl.viewport(0, 0, width, height);
@@ -89,7 +97,9 @@ export class Stage {
     const gl = this.gl;
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, target);
     gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
-    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    const { width: right, height: top } = this.#canvas;
+    const filter = width === right ? gl.NEAREST : gl.LINEAR;
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, right, top, gl.COLOR_BUFFER_BIT, filter);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   }
 
@@ -129,7 +139,10 @@ export class Stage {
   /** Chooses smooth edges or not by what a picture took.
    * @param {boolean} coarse whether it had no smooth edges for moving @param {number} elapsed ms */
   learn(coarse, elapsed) {
-    if (coarse) return;
+    if (coarse) {
+      this.#share = elapsed > HALF_MS ? 0.5 : elapsed < WHOLE_MS ? 1 : this.#share;
+      return;
+    }
     this.isSlow = elapsed > MOVING_MS;
     this.#isSmooth = elapsed * (this.#isSmooth ? 1 : 2) < SMOOTH_MS;
   }

@@ -8,7 +8,7 @@ import { LIGHT_GLSL } from "./mesh.js";
 
 /** Frames at rest and while moving that take longer, in ms, get fewer vertices; the shading uses every
  * cell all the same. */
-const [FINE_MS, COARSE_MS] = [500, 40];
+const [FINE_MS, COARSE_MS] = [500, 22];
 /** Most cells between vertices. */
 const MOST_STEP = 12;
 /** What is drawn: the surface from above, the four sides, the bottom. */
@@ -20,7 +20,7 @@ const VERTEX = `
 uniform mat4 uView, uProjection;
 uniform vec3 uOrigin;
 uniform float uCell, uDepth;
-uniform int uMode, uStep;
+uniform int uMode, uStep, uRow;
 uniform highp sampler2D uHeights;
 out vec3 vPlace;
 flat out vec3 vSide;
@@ -37,13 +37,15 @@ vec3 onMap(int column, int row, bool isLow) {
 }
 void main() {
   cells = textureSize(uHeights, 0);
-  int along = gl_VertexID >> 1;
-  bool second = (gl_VertexID & 1) == 1;
+  int strip = gl_VertexID / uRow;
+  int index = clamp(gl_VertexID % uRow - 1, 0, uRow - 3);
+  int along = index >> 1;
+  bool second = (index & 1) == 1;
   vSide = vec3(0.0);
-  if (uMode == ${SURFACE}) vPlace = onMap(along, gl_InstanceID + (second ? 1 : 0), false);
+  if (uMode == ${SURFACE}) vPlace = onMap(along, strip + (second ? 1 : 0), false);
   else if (uMode == ${SIDES}) {
-    bool isX = gl_InstanceID < 2;
-    bool isFar = (gl_InstanceID & 1) == 1;
+    bool isX = strip < 2;
+    bool isFar = (strip & 1) == 1;
     int far = isFar ? 1 << 20 : 0;
     vPlace = isX ? onMap(far, along, second) : onMap(along, far, second);
     vSide = isX ? vec3(isFar ? 1.0 : -1.0, 0.0, 0.0) : vec3(0.0, isFar ? 1.0 : -1.0, 0.0);
@@ -99,7 +101,8 @@ void main() {
   cells = textureSize(uHeights, 0);
   ivec2 cell = clamp(ivec2(floor(vPlace.xy / uCell)), ivec2(0), cells - 1);
   float own = height(cell);
-  if (own <= 0.0) discard;
+  // Where nothing is left, only the lower parts of the walls around are drawn.
+  if (own <= 0.0 && vPlace.z <= 1e-3 * uDepth) discard;
   // On a wall the cells beside it do: between single cells its direction would jump.
   vec3 flank = normalize(cross(dFdx(vPlace), dFdy(vPlace)));
   int far = abs(flank.z) < 0.6 ? 4 : 1;
@@ -131,7 +134,7 @@ export class Surface {
 
   /** Draws fewer vertices where a frame took too long. @param {boolean} coarse @param {number} elapsed ms */
   learn(coarse, elapsed) {
-    if (coarse && elapsed > COARSE_MS) this.#coarse = Math.min(this.#coarse + 2, MOST_STEP);
+    if (coarse && elapsed > COARSE_MS) this.#coarse = Math.min(this.#coarse + 4, MOST_STEP);
     if (!coarse && elapsed > FINE_MS) this.#fine = Math.min(this.#fine + 1, this.#coarse);
   }
 
@@ -162,10 +165,12 @@ export class Surface {
     }).setWhole({ uHeights: 0, uPart: 1, uHasPart: material.part ? 1 : 0, uStep: step });
   }
 
-  /** @param {Program} program @param {number} mode @param {number} vertices @param {number} instances */
-  #run(program, mode, vertices, instances) {
-    program.setWhole({ uMode: mode });
-    this.#gl.drawArraysInstanced(this.#gl.TRIANGLE_STRIP, 0, vertices, instances);
+  /** Draws strips of triangles as a single one; the ends of each stand twice, so that nothing lies between
+   * them. As instances each would take 100 us without a graphics card.
+   * @param {Program} program @param {number} mode @param {number} vertices of a strip @param {number} strips */
+  #run(program, mode, vertices, strips) {
+    program.setWhole({ uMode: mode, uRow: vertices + 2 });
+    this.#gl.drawArrays(this.#gl.TRIANGLE_STRIP, 0, (vertices + 2) * strips);
   }
 
   dispose() {

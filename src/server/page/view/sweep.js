@@ -3,7 +3,7 @@
 // The stretch runs along u from (0, 0, z0) to (length, 0, z1), in mm. Above a place (u, v) the cutter's lower
 // side at travel t is z0 + slope t + h(sqrt((u - t)^2 + v^2)). It is convex in t, because h is convex and
 // rises; so the least is where its derivative changes sign. Flat and ball have it in closed form, the
-// others by bisection. The shader in `material.js` computes the same.
+// others by bisection. The shader in `stretches.js` computes the same.
 
 import { heightOf } from "./tool.js";
 import { clamp } from "./math.js";
@@ -11,6 +11,8 @@ import { clamp } from "./math.js";
 
 /** Halvings of the range of travel: 24 reach the precision of the shader's numbers. */
 export const HALVINGS = 24;
+/** With sharper turns a stretch cuts its whole end. */
+const LEAST_COSINE = 0.7;
 
 /** The least height of the cutter's lower side over a place beside a stretch; infinite where it does not
  * pass. All in mm.
@@ -56,4 +58,25 @@ function rise(cutter, q, v) {
   const round = Math.sqrt(Math.max(cutter.corner ** 2 - over ** 2, 1e-12));
   const steep = cutter.corner > 0 ? over / round : cutter.slope;
   return (-steep * q) / distance;
+}
+
+/** How far from the tip, along the way, the place lies at most whose height is the least just there, in mm:
+ * ahead of a tip that climbs, behind a tip that falls. Beside a level way it is the place beside the tip.
+ * @param {Cutter} cutter @param {number} slope mm a mm */
+export function leadOf(cutter, slope) {
+  const { radius, flat, corner } = cutter;
+  const steep = Math.abs(slope);
+  if (steep === 0) return 0;
+  if (flat >= radius) return radius;
+  if (corner > 0) return flat + (corner * steep) / Math.sqrt(1 + steep ** 2);
+  return steep < cutter.slope ? Math.max(flat, (radius * steep) / cutter.slope) : radius;
+}
+
+/** How far past its end a stretch has to cut on one side, so that it and the next stretch leave no place out
+ * in the corner between them, in mm. The places that the corner lowers lie ahead of the first way and
+ * behind the second.
+ * @param {number} radius of the cutter @param {number} lead of the next stretch, ahead of its tip
+ * @param {number} cosine of the turn @param {number} sine of the turn, above 0 towards the other side */
+export function pastCorner(radius, lead, cosine, sine) {
+  return cosine < LEAST_COSINE ? radius : (lead + radius * sine) / cosine;
 }

@@ -6,7 +6,8 @@ export const KINDS = Object.freeze(
 
 /** @typedef {[number, number, number]} Vec3 */
 /** @typedef {{min: Vec3, max: Vec3}} Box */
-/** @typedef {{first: number, count: number, name: string, pass: number, level: number|null}} Strip */
+/** `first` and `count` are vertices; passes and levels are counted from 1.
+ *  @typedef {{first: number, count: number, name: string, pass: number, level: number|null}} Strip */
 
 /** @typedef {object} PathData
  *  @property {Float32Array} positions   3n, mm
@@ -38,7 +39,7 @@ export const KINDS = Object.freeze(
  *  @typedef {{index: number, block: number, kind: string, feed: number, time: number, point: Vec3,
  *    strip: Strip|null}} Hit */
 
-/** @typedef {"kind"|"feed"|"deviation"|"level"} ColorBy */
+/** @typedef {"kind"|"feed"|"deviation"|"level"|"pass"} ColorBy */
 
 /** A row of the legend: a swatch (one colour) or a ramp (`from` to `to`, in `unit`).
  *  `key` is the name that `View.setVisible` takes, or null where nothing can be switched.

@@ -6,7 +6,7 @@ import { Labels } from "./labels.js";
 import { clamp } from "./math.js";
 import { Scene } from "./scene.js";
 import { Stage } from "./stage.js";
-import { TEXTS } from "./texts.js";
+import { VIEW_TEXTS as TEXTS } from "../texts.js";
 /** @import { Frame } from "./gl.js" */
 /** @import { Box, ColorBy, Hit, LegendRow, MeshData, PathData, ToolData, Vec3 } from "./types.js" */
 
@@ -15,8 +15,14 @@ export { VIEWS } from "./camera.js";
 
 /** The view counts as moving until so long after the last move, in ms. */
 const REST_MS = 160;
-/** Least and longest time for cutting material in a frame, in ms. */
-const CUTTING_MS = /** @type {const} */ ([30, 400]);
+/** Time for cutting material in a frame while somebody moves the view or the time goes on, in ms. */
+const MOVING_CUT_MS = 8;
+/** At rest cutting takes as many times as long as drawing the picture, within these bounds in ms. */
+const [CUT_SHARE, ...CUT_MS] = /** @type {const} */ ([4, 60, 400]);
+/** After so many ms of cutting it is seen how much is left. */
+const CUT_STEP_MS = 50;
+/** Cutting that takes longer, in ms, is told. */
+const TOLD_MS = 400;
 /** How far from a stretch the cursor finds it, in CSS pixels: to tell it, and to turn about it. */
 const [NEAR, NEAR_PIVOT] = [7, 40];
 
@@ -28,6 +34,8 @@ export class View {
   #movingUntil = 0;
   /** @type {{frame: Frame, first: number}|null} the rest of a long path that is not drawn yet */
   #bit = null;
+  /** Since when the material has been on its way without a pause, ms; 0 where it is not. */
+  #cuttingSince = 0;
   /** What drawing the last frame took, in ms. */
   #drawingMs = 0;
   #isFitted = false;
@@ -106,9 +114,9 @@ export class View {
     this.#change();
   }
 
-  /** @param {Box|null} stock in mm */
-  setStock(stock) {
-    this.#scene.setStock(stock);
+  /** @param {Box|null} stock in mm @param {MeshData|null} [body] the stock itself where it may not fill its box */
+  setStock(stock, body = null) {
+    this.#scene.setStock(stock, body);
     this.#change();
   }
 
@@ -145,6 +153,9 @@ export class View {
     this.setVisible("material", shown);
     return shown ? this.#scene.obstacle : null;
   }
+
+  /** Why the material cannot be shown, for people; null where it can. */
+  get obstacle() { return this.#scene.obstacle; }
 
   /** @param {string} name one of `VIEWS`; others change nothing */
   look(name) {
@@ -263,7 +274,7 @@ export class View {
     this.#cut();
     const drawing = performance.now();
     const isLong = !coarse && this.#scene.isLong;
-    const frame = this.#stage.frame(this.#camera, this.#theme, coarse || isLong);
+    const frame = this.#stage.frame(this.#camera, this.#theme, coarse || isLong, coarse && this.#isSteered);
     this.#stage.draw(frame, () => this.#scene.draw(frame), isLong);
     this.#bit = isLong ? { frame, first: 0 } : null;
     this.#labels.place(this.#camera, this.#camera.box);
@@ -287,15 +298,22 @@ export class View {
     this.#tell();
   }
 
-  /** Cuts the material on, about as long as drawing takes. */
+  /** Whether somebody moves the view, or the time goes on. */
+  get #isSteered() { return performance.now() < this.#movingUntil || this.#camera.flying; }
+
+  /** Cuts the material on. */
   #cut() {
-    const end = performance.now() + clamp(this.#drawingMs, ...CUTTING_MS);
-    for (let start = performance.now(); start < end && this.#scene.cut();) {
+    const begun = performance.now();
+    const whole = this.#isSteered ? MOVING_CUT_MS : clamp(CUT_SHARE * this.#drawingMs, ...CUT_MS);
+    for (let start = begun; start < begun + whole && this.#scene.cut(Math.min(whole, CUT_STEP_MS));) {
       this.#stage.wait();
       const now = performance.now();
       this.#scene.learnCut(now - start);
       start = now;
     }
+    this.#cuttingSince = this.#scene.isBusy ? this.#cuttingSince || begun : 0;
+    const isSlow = this.#cuttingSince > 0 && performance.now() > this.#cuttingSince + TOLD_MS;
+    this.#labels.tellCutting(isSlow ? this.#scene.cutShare : null);
   }
 
   /** Takes over a new size of the canvas and a changed scene. */

@@ -16,12 +16,27 @@ pub fn show(number: &Number, label: &Label) -> String {
     if label.unit == Some("s") { format!("{text} s ({})", clock(value)) } else { text }
 }
 
+/// `number` rounded for a column: with four digits that matter; a bound is rounded upward.
+pub fn short(number: &Number, label: &Label) -> String {
+    let Some(value) = number.as_f64().filter(|_| number.is_f64()) else { return number.to_string() };
+    let decimals = (DIGITS - 1 - magnitude(value)).max(0);
+    round_to(value, decimals, label.is_bound)
+}
+
+fn magnitude(value: f64) -> i32 {
+    if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 }
+}
+
 fn round(value: f64, upward: bool) -> String {
-    let magnitude = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
-    if !(-9..=15).contains(&magnitude) {
+    let magnitude = magnitude(value);
+    let decimals = if magnitude < 0 { DIGITS - 1 - magnitude } else { DECIMALS };
+    round_to(value, decimals, upward)
+}
+
+fn round_to(value: f64, decimals: i32, upward: bool) -> String {
+    if !(-9..=15).contains(&magnitude(value)) {
         return format!("{value:.3e}");
     }
-    let decimals = if magnitude < 0 { DIGITS - 1 - magnitude } else { DECIMALS };
     let unit = 10f64.powi(decimals);
     let rounded = if upward { (value * unit).ceil() } else { (value * unit).round() } / unit;
     // Adding zero turns a negative zero into zero. `{}` writes the shortest text that reads as the number, so
@@ -39,6 +54,19 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+
+    #[test]
+    fn columns_have_four_digits_and_bounds_are_rounded_up() {
+        for (name, value, expected) in [
+            ("x_mm", json!(3_551.317_158), "3551"),
+            ("x_mm", json!(70.521), "70.52"),
+            ("x_max_mm", json!(70.521), "70.53"),
+            ("x_mm", json!(0.009_470_222), "0.00947"),
+            ("t_s", json!(7), "7"),
+        ] {
+            assert_eq!(short(value.as_number().unwrap(), &Label::of(name)), expected, "{name} {value}");
+        }
+    }
 
     #[test]
     fn a_number_keeps_the_digits_that_matter_and_a_bound_is_rounded_up() {

@@ -10,6 +10,9 @@ use toolpathd_plot::text::{clean, escape};
 const LONGEST_LIST: usize = 4;
 /// Most rows of a table. The last row tells how many rows are left out.
 const LONGEST_TABLE: usize = 40;
+/// Most rows of a table within a row, and most rows that have such tables.
+const LONGEST_INNER: usize = 12;
+const MOST_WITH_INNER: usize = 12;
 /// Most members of an object that are shown. A last row tells how many members are left out.
 const MOST_MEMBERS: usize = 60;
 /// Most levels of objects within objects. Of a deeper object only the number of members is shown.
@@ -85,24 +88,79 @@ fn is_grid(value: &Value) -> bool {
     value.get(0).is_some_and(Value::is_object)
 }
 
-/// A list of objects as rows, with a column for each member of the first object. `None` for other lists.
+/// A list of objects as rows, with a column for each plain member of the first object. Tables within an
+/// object follow below its row. `None` for other lists.
 fn as_grid(items: &[Value]) -> Option<String> {
+    let first = items.first()?.as_object()?;
+    let is_inner = |name: &str| items.iter().any(|item| item.get(name).is_some_and(is_grid));
+    let counts_another = |name: &str| name.strip_prefix("n_").is_some_and(is_inner);
+    let (inner, plain): (Vec<_>, Vec<_>) = first
+        .keys()
+        .take(MOST_MEMBERS)
+        .filter(|name| !counts_another(name))
+        .map(|name| (name.as_str(), Label::of(name)))
+        .partition(|(name, _)| is_inner(name));
+    let mut rows = head(plain.iter().map(|(_, label)| label));
+    let width = plain.len().max(1);
+    for (k, item) in items.iter().take(LONGEST_TABLE).enumerate() {
+        let shown = |name: &str, label: &Label| {
+            item.get(name).map_or(String::new(), |value| cell_of_column(value, label))
+        };
+        let cells = plain.iter().map(|(name, label)| format!("<td>{}</td>", shown(name, label)));
+        rows += &format!("<tr>{}</tr>\n", cells.collect::<String>());
+        for (name, label) in &inner {
+            let list = item.get(*name).and_then(Value::as_array);
+            let table = list.filter(|_| k < MOST_WITH_INNER).and_then(|list| as_plain_grid(list));
+            let content = match table {
+                Some(table) => format!("{}{}", label.words, wrap(&table)),
+                None => format!("{}: {}", label.words, shown(name, label)),
+            };
+            rows += &format!("<tr class=\"inner\"><td colspan=\"{width}\">{content}</td></tr>\n");
+        }
+    }
+    Some(rows + &left_out(items.len(), LONGEST_TABLE, width))
+}
+
+/// A list of objects as rows, of which lists are told by their lengths.
+fn as_plain_grid(items: &[Value]) -> Option<String> {
     let first = items.first()?.as_object()?;
     let columns: Vec<(&String, Label)> =
         first.keys().take(MOST_MEMBERS).map(|name| (name, Label::of(name))).collect();
-    let head: String = columns.iter().map(|(_, label)| format!("<th>{}</th>", label.words)).collect();
-    let mut rows = format!("<tr>{head}</tr>\n");
-    for item in items.iter().take(LONGEST_TABLE) {
+    let mut rows = head(columns.iter().map(|(_, label)| label));
+    for item in items.iter().take(LONGEST_INNER) {
         let cells = columns.iter().map(|(name, label)| {
-            format!("<td>{}</td>", item.get(*name).map_or(String::new(), |value| cell(value, label)))
+            format!(
+                "<td>{}</td>",
+                item.get(*name).map_or(String::new(), |value| cell_of_column(value, label))
+            )
         });
         rows += &format!("<tr>{}</tr>\n", cells.collect::<String>());
     }
-    if items.len() > LONGEST_TABLE {
-        let more = items.len() - LONGEST_TABLE;
-        rows += &format!("<tr><td colspan=\"{}\">and {more} more</td></tr>\n", columns.len().max(1));
+    Some(rows + &left_out(items.len(), LONGEST_INNER, columns.len()))
+}
+
+/// The first row of a list of objects: the names with their units.
+fn head<'a>(labels: impl Iterator<Item = &'a Label>) -> String {
+    let unit = |label: &Label| label.unit.map_or(String::new(), |unit| format!(", {unit}"));
+    let cells = labels.map(|label| format!("<th>{}{}</th>", label.words, unit(label)));
+    format!("<tr>{}</tr>\n", cells.collect::<String>())
+}
+
+/// A value below a name with its unit.
+fn cell_of_column(value: &Value, label: &Label) -> String {
+    let label = Label { unit: None, ..label.clone() };
+    match value {
+        Value::Number(number) => number::short(number, &label),
+        _ => cell(value, &label),
     }
-    Some(rows)
+}
+
+/// The last row of a table of `count` rows that has only `most` of them.
+fn left_out(count: usize, most: usize, width: usize) -> String {
+    if count <= most {
+        return String::new();
+    }
+    format!("<tr><td colspan=\"{}\">and {} more</td></tr>\n", width.max(1), count - most)
 }
 
 /// A value as the text of one cell.
@@ -119,6 +177,7 @@ fn cell(value: &Value, label: &Label) -> String {
         Value::String(text) => show_text(text),
         Value::Array(items) => match numbers(items, label) {
             Some(text) => with_unit(text),
+            None if items.is_empty() => "none".into(),
             None => format!("{} entries", items.len()),
         },
         Value::Object(members) => format!("{} members", members.len()),
@@ -138,5 +197,28 @@ fn show_text(text: &str) -> String {
     match text.char_indices().nth(LONGEST_TEXT) {
         Some((end, _)) => format!("{}\u{2026}", escape(&text[..end])),
         None => escape(&text),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn tables_within_rows_stand_below_them_and_their_counts_are_left_out() {
+        let level = json!({
+            "z_mm": -5.0, "n_islands": 2, "islands": [{"area_mm2": 4.0}, {"area_mm2": 9.5}], "not_reached": []
+        });
+        let text = table("levels", &json!([level]));
+        let expected = "<table>\n<tr><th>not reached</th><th>z, mm</th></tr>\n<tr><td>none</td><td>-5</td></tr>\n\
+            <tr class=\"inner\"><td colspan=\"2\">islands<table>\n<tr><th>area, mm\u{b2}</th></tr>\n\
+            <tr><td>4</td></tr>\n<tr><td>9.5</td></tr>\n</table>\n</td></tr>\n</table>\n";
+        assert_eq!(text, expected);
+        let long: Vec<Value> = (0..30).map(|k| json!({"a": k})).collect();
+        let rows: Vec<Value> = (0..30).map(|_| json!({"z_mm": 1.0, "inner": long})).collect();
+        let text = table("levels", &json!(rows));
+        assert!(text.contains("and 18 more") && text.contains("inner: 30 entries") && text.len() < 20_000);
     }
 }

@@ -1,0 +1,34 @@
+// Checks of the program's text that need no document: its lines, and what is found in it.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { lineStarts, ProgramText } from "../nc.js";
+
+/** Finds in a text as the page does. */
+function find(text, wanted, lit = 0) {
+  const program = Object.assign(Object.create(ProgramText.prototype), { text, starts: lineStarts(text), lit });
+  return program.find(wanted);
+}
+
+test("a text is found behind the lit line, else from the start, in capitals or not", () => {
+  const text = "G0 X1\nG1 Y2\ng1 z3\nM30\n";
+  assert.equal(find(text, "g1"), 2);
+  assert.equal(find(text, "G1", 2), 3);
+  assert.equal(find(text, "G1", 3), 2);
+  assert.equal(find(text, "M30", 4), 4);
+  assert.equal(find(text, "G2"), 0);
+  assert.equal(find(text, ""), 0);
+});
+
+test("signs that mean something in patterns stand for themselves", () => {
+  const text = "X1.5\n(a+b)\n#1=[2*3]\nX165\n";
+  assert.equal(find(text, "1.5", 1), 1);
+  assert.equal(find(text, "(a+"), 2);
+  assert.equal(find(text, "[2*3]"), 3);
+  assert.equal(find(text, "$"), 0);
+});
+
+test("lines start behind each end of a line", () => {
+  assert.deepEqual([...lineStarts("a\nbb\n\nc")], [0, 2, 5, 6]);
+  assert.deepEqual([...lineStarts("")], [0]);
+});

@@ -17,6 +17,7 @@ const FORMS: &[(&str, &str)] = &[
     ("image/svg+xml", "SVG"),
     ("text/html", "HTML"),
     ("model/gltf-binary", "glTF"),
+    ("model/stl", "STL"),
     ("text/event-stream", "events"),
     ("text/plain", "text"),
     ("application/openmetrics-text", "text"),

@@ -158,8 +158,8 @@ fn conditions(
     levels.iter().map(of_level).collect()
 }
 
-/// For each shape the routes of all patterns; none where the tool fits nowhere. Tells the progress of a pocket
-/// that is planned alone.
+/// For each shape the routes of all patterns; none where the tool fits nowhere. The progress of a pocket that
+/// is planned alone is told.
 fn routes_of_shapes(
     job: &Job,
     shapes: &[Shape],

@@ -92,6 +92,8 @@ pub struct Content<'a> {
     /// What is told of passes: from the pass with the index on, up to the next.
     pub names: &'a [(usize, String)],
     pub part: Option<&'a Triangles>,
+    /// How far the part may be from its triangles, mm, if it is known.
+    pub part_chord_mm: Option<f64>,
     pub stock: Option<&'a Stock>,
     pub tool: Option<(&'a Tool, &'a ToolBody)>,
     /// Quantities over time.
@@ -113,6 +115,9 @@ pub fn glb(content: &Content) -> Vec<u8> {
         if let Some(mesh) = mesh.filter(|mesh| !mesh.triangles.is_empty()) {
             nodes.push(solid(&mut document, name, mesh, look));
         }
+    }
+    if let Some(chord_mm) = content.part_chord_mm {
+        about.insert("part_chord_mm".into(), json!(chord_mm));
     }
     if let Some(Stock { is_assumed, .. }) = content.stock {
         about.insert("stock_is_assumed".into(), json!(is_assumed));

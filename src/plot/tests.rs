@@ -283,3 +283,28 @@ proptest! {
         }
     }
 }
+
+/// Passes to and fro over a square of 80 mm, so far from each other.
+fn passes(spacing_mm: f64) -> Toolpath {
+    let mut builder = Toolpath::builder(Point3::origin());
+    let count = (80.0 / spacing_mm) as usize;
+    for k in 0..=count {
+        let (y, ends) = (k as f64 * spacing_mm, if k % 2 == 0 { [0.0, 80.0] } else { [80.0, 0.0] });
+        for x in ends {
+            let _ = builder.line(Point3::new(x, y, 0.0), feed(), Role::Cut);
+        }
+    }
+    builder.finish().unwrap()
+}
+
+#[test]
+fn passes_that_would_be_a_block_are_thinned_and_others_are_all_drawn() {
+    let lines = |spacing_mm: f64| {
+        let text = of_path(&passes(spacing_mm));
+        (Drawing::read(&text).strokes("plan", "cut").len(), text.contains("Strokes within 0.5 mm"))
+    };
+    let (sparse, is_thinned) = lines(1.0);
+    assert!(sparse >= 81 && !is_thinned, "{sparse}");
+    let (dense, is_thinned) = lines(0.05);
+    assert!(dense < 400 && is_thinned, "{dense} of 1601 lines");
+}

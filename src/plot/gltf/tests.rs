@@ -85,6 +85,7 @@ fn content(toolpath: Option<&Toolpath>) -> Content<'_> {
         lines: &[],
         names: &[],
         part: None,
+        part_chord_mm: None,
         stock: None,
         tool: None,
         diagrams: &[],

@@ -14,6 +14,7 @@ const ISLAND: &str = include_str!("../../../openapi/examples/pockets-plan/island
 const OPEN_SLOT: &str = include_str!("../../../openapi/examples/pockets-plan/open-slot.json");
 const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
 const VERIFIED: &str = include_str!("../../../openapi/examples/programs-verify/pocket.json");
+const DROP: &str = include_str!("../../../openapi/examples/surfaces-drop/bowl.json");
 const CYLINDER: &str = include_str!("../../../openapi/examples/surfaces-model/cylinder.json");
 
 async fn with(path: &str, header: (&str, &str)) -> Answer {
@@ -219,4 +220,15 @@ fn numbers(file: &[u8], name: &str) -> Vec<f32> {
     let at =
         |k: usize| f32::from_le_bytes(file[from + 4 * k..from + 4 * k + 4].try_into().expect("four bytes"));
     (0..index(&accessor["count"])).map(at).collect()
+}
+
+#[tokio::test]
+async fn a_surface_states_how_far_its_triangles_are() {
+    for (path, body) in
+        [("/v1/surfaces/mill", DIE), ("/v1/surfaces/model", CYLINDER), ("/v1/surfaces/drop", DROP)]
+    {
+        let model = model(path, body).await;
+        let chord_mm = about(&model)["part_chord_mm"].as_f64().expect("a distance");
+        assert!(chord_mm <= 0.01 && bounds(&model, "part").is_some(), "{path}: {chord_mm}");
+    }
 }

@@ -6,7 +6,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use crate::http::answer::model::Solids;
+use crate::http::answer::model::{PART_CHORD_MM, Solids};
 use crate::http::error::ApiError;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::region::{Region, RegionError};
@@ -14,9 +14,6 @@ use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::pocketing::{Job, LevelOutlines, PocketError, Standing};
 use toolpathd_plot::gltf::Stock;
 use toolpathd_plot::solid::{self, Slab};
-
-/// The chord of round walls, mm.
-const CHORD_MM: f64 = 0.01;
 
 /// How far an assumed block reaches beyond the pocket, as a part of its largest extent in plan, and below its
 /// floor, as a part of its depth.
@@ -58,8 +55,8 @@ impl Bodies {
         let (top_z_mm, floor_z_mm) = (highest.top_z_mm, lowest.bottom_z_mm);
         let stock = self.stock.as_ref().map(|stock| stock.outlines.region(budget)).transpose()?;
         if stock.is_none() && self.has_open_edges {
-            let triangles = solid::triangles(&free, CHORD_MM, budget)?;
-            return Ok(Solids { part: None, stock: Some(Stock { triangles, is_assumed: false }) });
+            let triangles = solid::triangles(&free, PART_CHORD_MM, budget)?;
+            return Ok(Solids { stock: Some(Stock { triangles, is_assumed: false }), ..Solids::default() });
         }
         let is_assumed = stock.is_none();
         let whole = match stock {
@@ -80,10 +77,14 @@ impl Bodies {
         }
         slabs.push(Slab { top_z_mm: floor_z_mm, bottom_z_mm, region: whole.clone() });
         slabs.retain(|slab| slab.top_z_mm > slab.bottom_z_mm);
-        let part = solid::triangles(&slabs, CHORD_MM, budget)?;
+        let part = solid::triangles(&slabs, PART_CHORD_MM, budget)?;
         let block = [Slab { top_z_mm, bottom_z_mm, region: whole }];
-        let triangles = solid::triangles(&block, CHORD_MM, budget)?;
-        Ok(Solids { part: Some(part), stock: Some(Stock { triangles, is_assumed }) })
+        let triangles = solid::triangles(&block, PART_CHORD_MM, budget)?;
+        Ok(Solids {
+            part: Some(part),
+            part_chord_mm: Some(PART_CHORD_MM),
+            stock: Some(Stock { triangles, is_assumed }),
+        })
     }
 
     /// What the levels leave free, from the top down.

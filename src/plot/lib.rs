@@ -132,6 +132,9 @@ const CUT_WIDTH_MM: f64 = 0.18;
 const MOST_INK: f64 = 0.5;
 const ROOM_MM: f64 = 2.0;
 
+/// Fewer cuts than this are all drawn.
+const FEWEST_OF_BLOCK: usize = 1000;
+
 /// The cells for a path that would be a block.
 const LEAST_OF_BLOCK_MM: f64 = 0.5;
 
@@ -199,10 +202,11 @@ fn draw(scene: &Scene, layout: &Layout) -> (Paths, Option<f64>) {
 
 /// Whether the cuts of a toolpath would cover much of their area in plan, at a scale.
 fn is_block(toolpath: &Toolpath, scale: f64) -> bool {
-    let mut ink_mm2 = 0.0;
+    let (mut ink_mm2, mut n_cuts) = (0.0, 0);
     let mut corners: Option<[Point3<f64>; 2]> = None;
     for (class, along) in toolpath.moves().filter_map(class::of) {
         if matches!(class, Class::CutLine | Class::CutArc | Class::CutParabola) {
+            n_cuts += 1;
             ink_mm2 += along.length() * scale * CUT_WIDTH_MM;
             let ends = [along.start(), along.end()];
             let [low, high] = corners.unwrap_or([ends[0]; 2]);
@@ -213,7 +217,7 @@ fn is_block(toolpath: &Toolpath, scale: f64) -> bool {
         let size = (high - low) * scale;
         (size.x + ROOM_MM) * (size.y + ROOM_MM)
     });
-    ink_mm2 > MOST_INK * area_mm2
+    n_cuts >= FEWEST_OF_BLOCK && ink_mm2 > MOST_INK * area_mm2
 }
 
 /// The paths; `None` if they grow beyond `max_bytes`.

@@ -53,8 +53,9 @@ async fn the_page_and_all_files_that_it_names_are_there_and_nothing_of_other_ori
 async fn a_file_that_a_browser_knows_is_not_sent_again_and_is_sent_in_gzip() {
     let plain = with("/page/main.js", ("accept-encoding", "identity")).await;
     let tag = plain.header("etag").to_owned();
-    assert!(tag.starts_with('"') && plain.header("cache-control") == "no-cache");
-    for known in [tag.clone(), format!("W/{tag}"), format!("\"other\", {tag}"), "*".to_owned()] {
+    let strong = tag.strip_prefix("W/").expect("a weak tag").to_owned();
+    assert!(strong.starts_with('"') && plain.header("cache-control") == "no-cache");
+    for known in [tag.clone(), strong.clone(), format!("\"other\", {tag}"), "*".to_owned()] {
         let answer = with("/page/main.js", ("if-none-match", &known)).await;
         assert_eq!(
             (answer.status.as_u16(), answer.body.len(), answer.header("etag")),

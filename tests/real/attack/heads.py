@@ -12,7 +12,7 @@ from service import PROGRAM, Service
 DIE = example("surfaces-mill/one-pass.json")
 # Method, path, headers, body and the expected status.
 ANSWERS = [
-    ("GET", "/", [], None, 404),
+    ("GET", "/", [], None, 200),
     ("GET", "/livez", [], None, 200),
     ("GET", "/readyz", [], None, 200),
     ("GET", "/metrics", [], None, 200),

@@ -82,10 +82,21 @@ fn name(note: &PassNote) -> (usize, String) {
 
 fn triangles(mesh: &Mesh) -> Triangles {
     let index = |k: usize| u32::try_from(k).unwrap_or(u32::MAX);
+    let normals = mesh.normals();
     let told = |normal: Vector3<f64>| if normal == Vector3::zeros() { Vector3::z() } else { normal };
     Triangles {
         points: mesh.points().to_vec(),
-        normals: mesh.normals().into_iter().map(told).collect(),
-        triangles: mesh.triangles().map(|corners| corners.map(index)).collect(),
+        triangles: mesh
+            .triangles()
+            .map(|corners| turned_outward(mesh, corners, &normals).map(index))
+            .collect(),
+        normals: normals.into_iter().map(told).collect(),
     }
+}
+
+/// The corners of a triangle, counterclockwise seen from the side of its normals.
+fn turned_outward(mesh: &Mesh, [a, b, c]: [usize; 3], normals: &[Vector3<f64>]) -> [usize; 3] {
+    let [p, q, r] = [a, b, c].map(|k| mesh.points()[k]);
+    let outward = normals[a] + normals[b] + normals[c];
+    if (q - p).cross(&(r - p)).dot(&outward) < 0.0 { [a, c, b] } else { [a, b, c] }
 }

@@ -65,15 +65,16 @@ impl Bodies {
         };
         let assumed_z_mm = floor_z_mm - BELOW * (top_z_mm - floor_z_mm);
         let bottom_z_mm = self.stock.as_ref().map_or(assumed_z_mm, |stock| stock.bottom_z_mm);
-        let mut slabs = Vec::with_capacity(free.len() + 1);
+        let mut slabs: Vec<Slab> = Vec::with_capacity(free.len() + 1);
+        let mut free_above: Option<Region> = None;
         for Slab { top_z_mm, bottom_z_mm: low_z_mm, region } in free {
-            let known: Option<&Slab> =
-                slabs.last().filter(|above: &&Slab| above.region.faces() == region.faces());
-            let region = match known {
-                Some(above) => above.region.clone(),
-                None => whole.difference(&region, budget)?,
+            let is_same = free_above.as_ref().is_some_and(|above| above.faces() == region.faces());
+            let standing = match slabs.last() {
+                Some(above) if is_same => above.region.clone(),
+                _ => whole.difference(&region, budget)?,
             };
-            slabs.push(Slab { top_z_mm, bottom_z_mm: low_z_mm.max(bottom_z_mm), region });
+            free_above = Some(region);
+            slabs.push(Slab { top_z_mm, bottom_z_mm: low_z_mm.max(bottom_z_mm), region: standing });
         }
         slabs.push(Slab { top_z_mm: floor_z_mm, bottom_z_mm, region: whole.clone() });
         slabs.retain(|slab| slab.top_z_mm > slab.bottom_z_mm);
@@ -123,4 +124,52 @@ fn block_around(free: &[Slab], budget: &Budget) -> Result<Region, RegionError> {
     let corners = [low, Point2::new(high.x, low.y), high, Point2::new(low.x, high.y)];
     let side = |k: usize| Segment::Line { start: corners[k], end: corners[(k + 1) % 4] };
     Region::on_the_left(&[(0..4).map(side).collect()], budget)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toolpathd_plot::gltf::Triangles;
+
+    fn square(low: f64, high: f64) -> Vec<Segment> {
+        let corners = [[low, low], [high, low], [high, high], [low, high]].map(Point2::from);
+        (0..4).map(|k| Segment::Line { start: corners[k], end: corners[(k + 1) % 4] }).collect()
+    }
+
+    fn level(top_z_mm: f64, z_mm: f64, pocket: &[Vec<Segment>]) -> LevelOutlines {
+        LevelOutlines { top_z_mm, z_mm, pocket: pocket.to_vec(), uncut: Vec::new() }
+    }
+
+    /// The volumes of part and stock.
+    fn volumes(levels: Vec<LevelOutlines>) -> [f64; 2] {
+        let outlines = Outlines { boundary: square(0.0, 40.0), islands: Vec::new() };
+        let stock = Some(Standing { outlines, bottom_z_mm: -12.0 });
+        let Solids { part, stock, .. } =
+            Bodies { levels, stock, has_open_edges: false }.made(&Budget::unlimited()).unwrap();
+        let volume = |triangles: &Triangles| -> f64 {
+            let corners = |triangle: &[u32; 3]| triangle.map(|k| triangles.points[k as usize].coords);
+            triangles.triangles.iter().map(corners).map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0).sum()
+        };
+        [volume(&part.unwrap()), volume(&stock.unwrap().triangles)]
+    }
+
+    #[test]
+    fn the_part_is_the_stock_without_what_each_level_leaves_free() {
+        let (wide, narrow, whole) = ([square(10.0, 30.0)], [square(15.0, 25.0)], [square(0.0, 40.0)]);
+        let stock = 1600.0 * 12.0;
+        for (levels, free) in [
+            (vec![level(0.0, -2.0, &wide), level(-2.0, -4.0, &wide), level(-4.0, -6.0, &wide)], 400.0 * 6.0),
+            (vec![level(0.0, -3.0, &wide), level(-3.0, -5.0, &narrow)], 400.0 * 3.0 + 100.0 * 2.0),
+            // Nothing stands beside the upper levels, and nothing is free on the lower ones.
+            (vec![level(0.0, -2.5, &whole), level(-2.5, -5.0, &whole), level(-5.0, -7.5, &[])], 1600.0 * 5.0),
+            // Below the stock nothing is left.
+            (vec![level(0.0, -14.0, &wide)], 400.0 * 12.0),
+        ] {
+            let [part, raw] = volumes(levels);
+            assert!(
+                (raw - stock).abs() < 1e-6 && (part - (stock - free)).abs() < 1e-6,
+                "{part} {raw} {free}"
+            );
+        }
+    }
 }

@@ -239,8 +239,8 @@ fn passes_beyond_the_nodes_share_strips_with_ways_that_are_not_known() {
     assert!((1500..=4000).contains(&strips), "{strips}");
     let kinds = |name: &str| file.attribute(name, "_KIND");
     assert!(!kinds("pass 1").contains(&9.0));
-    let last = file.json["nodes"].as_array().unwrap().iter().filter_map(|node| node["name"].as_str());
-    let shared = last.filter(|name| name.starts_with("pass ")).last().unwrap().to_owned();
+    let names = file.json["nodes"].as_array().unwrap().iter().filter_map(|node| node["name"].as_str());
+    let shared = names.rev().find(|name| name.starts_with("pass ")).unwrap().to_owned();
     assert!(kinds(&shared).contains(&9.0), "{shared}");
 }
 

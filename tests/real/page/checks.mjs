@@ -171,7 +171,7 @@ export async function following({ page, fault, choose, run }) {
   await page.click("#tab-program");
   const time = () => page.$eval("#time", (slider) => slider.value / slider.max);
   const lit = () => page.$eval(".nc-lit", (bar) => (bar.hidden ? "" : bar.style.transform));
-  await page.fill("#find-text", "G1");
+  await page.fill("#find-text", "G1 ");
   await page.press("#find-text", "Enter");
   const [share, line] = [await time(), await lit()];
   if (!(share < 1)) fault("the time does not follow the chosen line");

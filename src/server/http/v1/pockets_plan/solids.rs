@@ -129,6 +129,7 @@ fn block_around(free: &[Slab], budget: &Budget) -> Result<Region, RegionError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use toolpathd_core::operations::pocketing::Outlines;
     use toolpathd_plot::gltf::Triangles;
 
     fn square(low: f64, high: f64) -> Vec<Segment> {

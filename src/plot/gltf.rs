@@ -22,8 +22,8 @@
 //! scene.
 //!
 //! # Cost
-//! O(n) for n vertices. Curves have at most [`MOST_VERTICES`] vertices, or about four for each move if that is
-//! more, and turns of the tool axis as many again.
+//! O(n) for n vertices. Curves have at most [`MOST_VERTICES`] vertices, or about four for each move if that
+//! is more, and turns of the tool axis as many again.
 
 mod container;
 mod path;

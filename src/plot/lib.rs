@@ -10,7 +10,8 @@
 //! 3. `pen` writes the path data of the curves. It omits details below the resolution of the drawing.
 //! 4. `relief` draws the surface under the paths, as coloured bands of heights.
 //! 5. If the path data exceeds [`MAX_PATH_BYTES`], or the lines would merge into a block, the paths are drawn
-//!    with fewer strokes. A stroke is omitted if earlier strokes of its kind pass near all of it (`ink`). The sheet then says how near.
+//!    with fewer strokes. A stroke is omitted if earlier strokes of its kind pass near all of it (`ink`). The
+//!    sheet then says how near.
 //!
 //! # Guarantees
 //! * Each point of a move is drawn within 0.02 mm of paper of its exact place, unless the sheet says that

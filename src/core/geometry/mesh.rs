@@ -1,5 +1,5 @@
 //! Triangles that approximate a surface. Their corners are points of the surface, on a grid of its two
-//! parameters. [`facets`](super::surface::facets) states how near they are.
+//! parameters. [`facets`](super::facets) states how near they are.
 //!
 //! # Guarantees
 //! In each direction, the grid has at most as many cells as the caller allows, however large the surface is.

@@ -7,7 +7,6 @@
 pub mod any_surface;
 pub mod bezier;
 pub mod curvature;
-pub mod facets;
 pub mod ferguson;
 pub mod joints;
 pub mod net_grid;

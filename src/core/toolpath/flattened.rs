@@ -29,7 +29,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// The points of a toolpath within `chord_mm`, above zero, or within the chord that [`chord`] makes of it.
+    /// The points of a toolpath within the chord that [`chord`] makes of `chord_mm`, above zero.
     pub fn of(toolpath: &Toolpath, chord_mm: f64, most: usize) -> Self {
         let chord_mm = chord(toolpath, chord_mm, most);
         let mut points = vec![toolpath.start()];

@@ -99,8 +99,8 @@ impl File {
         (fixed, typed, self.plain.clone()).into_response()
     }
 
-    /// Whether the caller has this version of the file (RFC 9110, section 13.1.2). The tag is weak, because it
-    /// is the same with and without gzip.
+    /// Whether the caller has this version of the file (RFC 9110, section 13.1.2). The tag is weak: it is the
+    /// same with and without gzip.
     fn is_known(&self, headers: &HeaderMap) -> bool {
         let known = headers.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
         let mut tags =

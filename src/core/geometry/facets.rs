@@ -22,10 +22,10 @@
 //! D. Filip, R. Magedson, R. Markot, *Surface algorithms using bounds on derivatives*, Computer Aided
 //! Geometric Design 3, 1986.
 
-use super::any_surface::AnySurface;
-use super::patch::DerivativeBounds;
-use super::{BezierSurface, Patch, Surface};
-use crate::geometry::mesh::Mesh;
+use super::mesh::Mesh;
+use super::surface::any_surface::AnySurface;
+use super::surface::patch::DerivativeBounds;
+use super::surface::{BezierSurface, Patch, Surface};
 
 /// Triangles of a surface.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,6 +8,7 @@ pub mod bounding_tree;
 pub mod bspline;
 pub mod curve;
 pub mod deviation;
+pub mod facets;
 pub mod flatten;
 pub mod following;
 pub mod height_field;

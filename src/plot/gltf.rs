@@ -22,8 +22,8 @@
 //! scene.
 //!
 //! # Cost
-//! O(n) for n vertices. Where there are more than [`MOST_VERTICES`] vertices, the chord is made wider, up to
-//! [`WIDEST_MM`]: what remains then is about one vertex for each move, and those of very large arcs.
+//! O(n) for n vertices. Curves have at most [`MOST_VERTICES`] vertices, or about four for each move if that
+//! is more, and turns of the tool axis as many again.
 
 mod container;
 mod path;
@@ -49,9 +49,6 @@ pub const CHORD_MM: f64 = 1e-3;
 /// Most vertices on curves before their chord is made wider.
 pub const MOST_VERTICES: usize = 2_000_000;
 
-/// The widest chord, mm: wider ones save few vertices.
-pub const WIDEST_MM: f64 = 1.0;
-
 /// Farther from the origin than this, the root node moves the part, mm. Single precision is 6e-5 mm there.
 const FAR_MM: f64 = 1000.0;
 
@@ -59,8 +56,8 @@ const FAR_MM: f64 = 1000.0;
 const MOST_COLUMNS: usize = 2000;
 
 /// The kinds of stretches, in the order of the numbers in the file.
-pub const KINDS: [&str; 9] =
-    ["rapid", "cut", "plunge", "ramp", "lead_in", "link", "lead_out", "dwell", "turn"];
+pub const KINDS: [&str; 10] =
+    ["rapid", "cut", "plunge", "ramp", "lead_in", "link", "lead_out", "dwell", "turn", "unknown"];
 
 /// Triangles with a normal at each corner, mm.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -92,6 +89,8 @@ pub struct Content<'a> {
     /// What is told of passes: from the pass with the index on, up to the next.
     pub names: &'a [(usize, String)],
     pub part: Option<&'a Triangles>,
+    /// How far the part may be from its triangles, mm, if it is known.
+    pub part_chord_mm: Option<f64>,
     pub stock: Option<&'a Stock>,
     pub tool: Option<(&'a Tool, &'a ToolBody)>,
     /// Quantities over time.
@@ -114,6 +113,9 @@ pub fn glb(content: &Content) -> Vec<u8> {
             nodes.push(solid(&mut document, name, mesh, look));
         }
     }
+    if let Some(chord_mm) = content.part_chord_mm {
+        about.insert("part_chord_mm".into(), json!(chord_mm));
+    }
     if let Some(Stock { is_assumed, .. }) = content.stock {
         about.insert("stock_is_assumed".into(), json!(is_assumed));
     }
@@ -122,7 +124,10 @@ pub fn glb(content: &Content) -> Vec<u8> {
     }
     if let Some((tool, body)) = content.tool {
         let mesh = turned::cutter(tool, body);
-        nodes.push(solid(&mut document, "cutter", &mesh, Look::Cutter));
+        // The cutter belongs to its tip, and not to a place of the part.
+        let placed =
+            Triangles { points: mesh.points.iter().map(|p| p + document.origin()).collect(), ..mesh };
+        nodes.push(solid(&mut document, "cutter", &placed, Look::Cutter));
     }
     if let Some(toolpath) = content.toolpath {
         let (strips, chord_mm) = path::strips(toolpath, content);

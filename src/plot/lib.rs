@@ -9,8 +9,9 @@
 //!    its plane. In the other views an arc is a straight line, and a helix is drawn as chords.
 //! 3. `pen` writes the path data of the curves. It omits details below the resolution of the drawing.
 //! 4. `relief` draws the surface under the paths, as coloured bands of heights.
-//! 5. If the path data exceeds [`MAX_PATH_BYTES`], the paths are drawn again with fewer strokes. A stroke is
-//!    omitted if earlier strokes of its kind pass near all of it (`ink`). The sheet then says how near.
+//! 5. If the path data exceeds [`MAX_PATH_BYTES`], or the lines would merge into a block, the paths are drawn
+//!    with fewer strokes. A stroke is omitted if earlier strokes of its kind pass near all of it (`ink`). The
+//!    sheet then says how near.
 //!
 //! # Guarantees
 //! * Each point of a move is drawn within 0.02 mm of paper of its exact place, unless the sheet says that
@@ -124,6 +125,20 @@ pub const MAX_PATH_BYTES: usize = 2_000_000;
 /// The last has so few cells that the paths cannot grow much beyond the limit.
 const RASTERS_MM: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 
+/// The width of a line of a cut, mm of paper.
+const CUT_WIDTH_MM: f64 = 0.18;
+
+/// The part of the area of a path in plan that its lines may cover, and the room around a path without an
+/// area, mm of paper.
+const MOST_INK: f64 = 0.5;
+const ROOM_MM: f64 = 2.0;
+
+/// Fewer cuts than this are all drawn.
+const FEWEST_OF_BLOCK: usize = 1000;
+
+/// The cells for a path that would be a block.
+const LEAST_OF_BLOCK_MM: f64 = 0.5;
+
 /// Path data by view and class.
 type Paths = [[String; Class::ALL.len()]; 3];
 
@@ -170,10 +185,13 @@ fn opening(title: &str, shows: &str, style: &str) -> String {
 
 /// The paths, and the cell size of the raster, mm, if strokes were left out. The paths are drawn without a
 /// raster first, then with larger and larger cells until the path data is small enough. So each curve is
-/// projected three to fifteen times.
+/// projected three to fifteen times. A path whose lines would merge into a block is drawn with a raster at
+/// once.
 fn draw(scene: &Scene, layout: &Layout) -> (Paths, Option<f64>) {
     let [finer @ .., coarsest] = RASTERS_MM;
+    let is_block = scene.toolpath.is_some_and(|toolpath| is_block(toolpath, layout.scale.value()));
     let attempts = [None].into_iter().chain(finer.map(Some));
+    let attempts = attempts.filter(|raster_mm| !is_block || *raster_mm >= Some(LEAST_OF_BLOCK_MM));
     for raster_mm in attempts {
         if let Some(paths) = trace(scene, layout, raster_mm, MAX_PATH_BYTES) {
             return (paths, raster_mm);
@@ -181,6 +199,26 @@ fn draw(scene: &Scene, layout: &Layout) -> (Paths, Option<f64>) {
     }
     let paths = trace(scene, layout, Some(coarsest), usize::MAX);
     (paths.unwrap_or_default(), Some(coarsest))
+}
+
+/// Whether the cuts of a toolpath would cover much of their area in plan, at a scale.
+fn is_block(toolpath: &Toolpath, scale: f64) -> bool {
+    let (mut ink_mm2, mut n_cuts) = (0.0, 0);
+    let mut corners: Option<[Point3<f64>; 2]> = None;
+    for (class, along) in toolpath.moves().filter_map(class::of) {
+        if matches!(class, Class::CutLine | Class::CutArc | Class::CutParabola) {
+            n_cuts += 1;
+            ink_mm2 += along.length() * scale * CUT_WIDTH_MM;
+            let ends = [along.start(), along.end()];
+            let [low, high] = corners.unwrap_or([ends[0]; 2]);
+            corners = Some(ends.iter().fold([low, high], |[low, high], end| [low.inf(end), high.sup(end)]));
+        }
+    }
+    let area_mm2 = corners.map_or(0.0, |[low, high]| {
+        let size = (high - low) * scale;
+        (size.x + ROOM_MM) * (size.y + ROOM_MM)
+    });
+    n_cuts >= FEWEST_OF_BLOCK && ink_mm2 > MOST_INK * area_mm2
 }
 
 /// The paths; `None` if they grow beyond `max_bytes`.

@@ -14,7 +14,7 @@
 //!
 //! # Cost
 //! O(n) for the walls of n elements, and one region for each pair of slabs whose regions differ. Triangles of
-//! a face take about O(n log n).
+//! a face with n corners take O(n log n) mostly, and O(n^2) at worst; larger faces are refused.
 
 use earcut::Earcut;
 use nalgebra::{Point2, Point3, Vector2, Vector3};
@@ -23,6 +23,9 @@ use crate::gltf::Triangles;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::region::{Face, Outline, Region, RegionError};
 use toolpathd_core::geometry::segment::Segment;
+
+/// The most corners of a face. The cutting of ears may take time with the square of their number.
+const MOST_CORNERS: usize = 50_000;
 
 /// The largest turn of the part of an arc that becomes one line, radians, however wide the chord is.
 const LARGEST_TURN: f64 = 0.5;
@@ -39,7 +42,7 @@ pub struct Slab {
 /// The surface of a stack of slabs, given from the top down, each on top of the next one.
 ///
 /// # Errors
-/// When two regions cannot be compared, and the budget's stop.
+/// When two regions cannot be compared, a face has too many corners, and the budget's stop.
 pub fn triangles(slabs: &[Slab], chord_mm: f64, budget: &Budget) -> Result<Triangles, RegionError> {
     let mut solid = Solid { chord_mm, triangles: Triangles::default() };
     let empty = Region::empty();
@@ -110,23 +113,26 @@ impl Solid {
         if above.faces() == below.faces() {
             return Ok(());
         }
-        for face in below.difference(above, budget)?.faces() {
-            self.face(face, z, Vector3::z());
-        }
-        for face in above.difference(below, budget)?.faces() {
-            self.face(face, z, -Vector3::z());
+        for (upper, lower, outward) in [(above, below, Vector3::z()), (below, above, -Vector3::z())] {
+            for face in lower.difference(upper, budget)?.faces() {
+                budget.check()?;
+                self.face(face, z, outward)?;
+            }
         }
         Ok(())
     }
 
     /// A level face that looks up or down.
-    fn face(&mut self, face: &Face, z: f64, outward: Vector3<f64>) {
+    fn face(&mut self, face: &Face, z: f64, outward: Vector3<f64>) -> Result<(), RegionError> {
         let first = self.next();
         let mut corners: Vec<[f64; 2]> = polygon(&face.outer, self.chord_mm).map(Into::into).collect();
         let mut holes = Vec::with_capacity(face.islands.len());
         for island in &face.islands {
             holes.push(index(corners.len()));
             corners.extend(polygon(island, self.chord_mm).map(<[f64; 2]>::from));
+        }
+        if corners.len() > MOST_CORNERS {
+            return Err(RegionError::TooMany { limit: MOST_CORNERS });
         }
         let mut found = Vec::new();
         Earcut::new().earcut_slice(&corners, &holes, &mut found);
@@ -139,6 +145,7 @@ impl Solid {
             let [b, c] = if is_turned { [c, b] } else { [b, c] };
             self.triangles.triangles.push([first + a, first + b, first + c]);
         }
+        Ok(())
     }
 
     fn push(&mut self, at: Point2<f64>, z: f64, normal: Vector3<f64>) {
@@ -160,7 +167,7 @@ fn index(k: usize) -> u32 {
 fn count(element: &Segment, chord_mm: f64) -> u32 {
     let radius_mm = 1.0 / element.curvature().abs();
     let turn = if chord_mm < radius_mm { 2.0 * (1.0 - chord_mm / radius_mm).acos() } else { LARGEST_TURN };
-    let least = turn.clamp(1e-3, LARGEST_TURN);
+    let least = turn.clamp(1e-5, LARGEST_TURN);
     (element.turn().abs() / least).ceil().max(1.0) as u32
 }
 

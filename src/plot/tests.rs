@@ -170,7 +170,7 @@ fn a_dense_path_has_bounded_size_and_reaches_every_place() {
     assert!(picture.len() < 2_100_000, "{}", picture.len());
     let drawing = Drawing::read(&picture);
     assert!(
-        drawing.texts.iter().any(|text| text.starts_with("Strokes within 0.25 mm")),
+        drawing.texts.iter().any(|text| text.starts_with("Strokes within 0.5 mm")),
         "{:?}",
         drawing.texts
     );
@@ -181,7 +181,7 @@ fn a_dense_path_has_bounded_size_and_reaches_every_place() {
     {
         let at = drawing.at("plan", [x, y]);
         let nearest = strokes.iter().map(|s| reading::distance(at, *s)).fold(f64::INFINITY, f64::min);
-        assert!(nearest < 0.5, "({x}, {y}) is {nearest} mm from ink");
+        assert!(nearest < 1.0, "({x}, {y}) is {nearest} mm from ink");
     }
 }
 
@@ -282,4 +282,29 @@ proptest! {
             prop_assert!(words.chars().count() < 80, "{:?}", words);
         }
     }
+}
+
+/// Passes to and fro over a square of 80 mm, so far from each other.
+fn passes(spacing_mm: f64) -> Toolpath {
+    let mut builder = Toolpath::builder(Point3::origin());
+    let count = (80.0 / spacing_mm) as usize;
+    for k in 0..=count {
+        let (y, ends) = (k as f64 * spacing_mm, if k % 2 == 0 { [0.0, 80.0] } else { [80.0, 0.0] });
+        for x in ends {
+            let _ = builder.line(Point3::new(x, y, 0.0), feed(), Role::Cut);
+        }
+    }
+    builder.finish().unwrap()
+}
+
+#[test]
+fn passes_that_would_be_a_block_are_thinned_and_others_are_all_drawn() {
+    let lines = |spacing_mm: f64| {
+        let text = of_path(&passes(spacing_mm));
+        (Drawing::read(&text).strokes("plan", "cut").len(), text.contains("Strokes within 0.5 mm"))
+    };
+    let (sparse, is_thinned) = lines(1.0);
+    assert!(sparse >= 81 && !is_thinned, "{sparse}");
+    let (dense, is_thinned) = lines(0.05);
+    assert!(dense < 400 && is_thinned, "{dense} of 1601 lines");
 }

@@ -33,14 +33,7 @@ pub fn flatten(
     if !(chord_tolerance_mm.is_finite() && chord_tolerance_mm > 0.0) {
         return Err(FlattenError::BadTolerance { tolerance_mm: chord_tolerance_mm });
     }
-    let chords = match curve {
-        Curve::Line(_) => 1.0,
-        Curve::Arc(arc) => (arc.sweep() / (2.0 * half_angle(arc, chord_tolerance_mm))).ceil().max(1.0),
-        Curve::Parabola(parabola) => {
-            let height = parabola.bend().norm() / 4.0;
-            (height / chord_tolerance_mm * (1.0 + ROUNDING)).sqrt().ceil().max(1.0)
-        }
-    };
+    let chords = n_chords(curve, chord_tolerance_mm);
     if chords >= limit as f64 {
         return Err(FlattenError::TooManyPoints { limit });
     }
@@ -53,6 +46,18 @@ pub fn flatten(
     let mut points: Vec<_> = (0..n).map(|k| at(k as f64 / chords)).collect();
     points.push(curve.end());
     Ok(points)
+}
+
+/// The number of chords that stay within a tolerance above zero. Cost O(1).
+pub fn n_chords(curve: &Curve, tolerance_mm: f64) -> f64 {
+    match curve {
+        Curve::Line(_) => 1.0,
+        Curve::Arc(arc) => (arc.sweep() / (2.0 * half_angle(arc, tolerance_mm))).ceil().max(1.0),
+        Curve::Parabola(parabola) => {
+            let height = parabola.bend().norm() / 4.0;
+            (height / tolerance_mm * (1.0 + ROUNDING)).sqrt().ceil().max(1.0)
+        }
+    }
 }
 
 /// Half the angle that one chord may span, radians.

@@ -1,5 +1,5 @@
-//! Triangles that approximate a surface, for pictures. Their corners are points of the surface, on a grid of
-//! its two parameters.
+//! Triangles that approximate a surface. Their corners are points of the surface, on a grid of its two
+//! parameters. [`facets`](super::facets) states how near they are.
 //!
 //! # Guarantees
 //! In each direction, the grid has at most as many cells as the caller allows, however large the surface is.
@@ -20,8 +20,8 @@ use super::surface::Surface;
 /// Points on a surface, row after row, mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// The numbers of cells along u and v.
-    cells: [usize; 2],
+    /// The parameters of the lines along which cells meet, along u and v.
+    lines: [Vec<f64>; 2],
     points: Vec<Point3<f64>>,
 }
 
@@ -31,18 +31,36 @@ impl Mesh {
         let spans = surface.spans();
         let cells = spans.map(|n| if n < most { n * (most / n) } else { most });
         let at = |side: usize, k: usize| (spans[side] * k) as f64 / cells[side] as f64;
-        let row = |i: usize| (0..=cells[1]).map(move |j| surface.jet(at(0, i), at(1, j)).point);
-        Self { cells, points: (0..=cells[0]).flat_map(row).collect() }
+        let lines = [0, 1].map(|side| (0..=cells[side]).map(|k| at(side, k)).collect::<Vec<f64>>());
+        Self::through(surface, &lines[0], &lines[1])
+    }
+
+    /// The mesh of `surface` with cells between the given parameters along u and v, at least two of each.
+    pub fn through(surface: &dyn Surface, along_u: &[f64], along_v: &[f64]) -> Self {
+        let row = |u: &f64| along_v.iter().map(|v| surface.jet(*u, *v).point).collect::<Vec<_>>();
+        let points = along_u.iter().flat_map(row).collect();
+        Self { lines: [along_u.to_vec(), along_v.to_vec()], points }
+    }
+
+    /// The parameters of the lines of the mesh along u and v.
+    pub fn parameters(&self) -> &[Vec<f64>; 2] {
+        &self.lines
+    }
+
+    /// The numbers of cells along u and v.
+    fn cells(&self) -> [usize; 2] {
+        self.lines.each_ref().map(|lines| lines.len() - 1)
     }
 
     /// The mesh through some of the points, with at most `most` cells in each direction. The first and the
     /// last rows and columns stay.
     pub fn thinned(&self, most: usize) -> Self {
-        let cells = self.cells.map(|n| n.min(most));
-        let at = |side: usize, k: usize| k * self.cells[side] / cells[side];
-        let row =
-            |i: usize| (0..=cells[1]).map(move |j| self.points[at(0, i) * (self.cells[1] + 1) + at(1, j)]);
-        Self { cells, points: (0..=cells[0]).flat_map(row).collect() }
+        let own = self.cells();
+        let cells = own.map(|n| n.min(most));
+        let at = |side: usize, k: usize| k * own[side] / cells[side];
+        let row = |i: usize| (0..=cells[1]).map(move |j| self.points[at(0, i) * (own[1] + 1) + at(1, j)]);
+        let lines = [0, 1].map(|side| (0..=cells[side]).map(|k| self.lines[side][at(side, k)]).collect());
+        Self { lines, points: (0..=cells[0]).flat_map(row).collect() }
     }
 
     pub fn points(&self) -> &[Point3<f64>] {
@@ -51,7 +69,7 @@ impl Mesh {
 
     /// Triangles as indices of points, all turning in the sense from u to v.
     pub fn triangles(&self) -> impl Iterator<Item = [usize; 3]> {
-        let [nu, nv] = self.cells;
+        let [nu, nv] = self.cells();
         (0..nu).flat_map(move |i| (0..nv).map(move |j| i * (nv + 1) + j)).flat_map(move |low| {
             let high = low + nv + 1;
             [[low, high, high + 1], [low, high + 1, low + 1]]
@@ -93,17 +111,17 @@ mod tests {
     #[test]
     fn the_grid_includes_joints_and_the_number_of_cells_is_bounded() {
         let mesh = Mesh::of(&slope(5), 12);
-        assert_eq!(mesh.cells, [10, 12]);
+        assert_eq!(mesh.cells(), [10, 12]);
         assert_eq!(mesh.triangles().count(), 240);
         for joint in 0..=5 {
             let at = 3.0 * f64::from(joint);
             assert!(mesh.points().iter().any(|p| (p.x - at).abs() < 1e-12));
         }
         let coarse = mesh.thinned(4);
-        assert_eq!(coarse.cells, [4, 4]);
+        assert_eq!(coarse.cells(), [4, 4]);
         assert_eq!(coarse.points().first(), mesh.points().first());
         assert_eq!(coarse.points().last(), mesh.points().last());
-        assert_eq!(Mesh::of(&slope(50), 12).cells, [12, 12]);
+        assert_eq!(Mesh::of(&slope(50), 12).cells(), [12, 12]);
     }
 
     #[test]

@@ -15,7 +15,7 @@
 
 use nalgebra::{Point2, Point3};
 
-use crate::budget::{Budget, Stopped};
+use crate::budget::{Budget, Progress, Stopped};
 use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::source::{Source, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
@@ -125,7 +125,12 @@ fn locate_on<P: Patch>(
     let contacts = Contacts::new(surface, job.tool.cutter(), budget)?;
     let order = order(&job.points);
     let groups: Vec<&[usize]> = order.chunks(GROUP).collect();
-    let of_group = |k: usize| locate_group(&contacts, groups[k].iter().map(|&k| job.points[k]), budget);
+    let progress = Progress::new("points", groups.len());
+    let of_group = |k: usize| {
+        let located = locate_group(&contacts, groups[k].iter().map(|&k| job.points[k]), budget);
+        progress.tell_one(budget);
+        located
+    };
     let located = budget.in_order(groups.len(), of_group)?;
     let mut locations = vec![None; job.points.len()];
     for (k, location) in order.into_iter().zip(located.into_iter().flatten()) {

@@ -60,7 +60,7 @@ mod tube;
 
 use nalgebra::{Point3, Vector3};
 
-use crate::budget::{Budget, Stopped};
+use crate::budget::{Budget, Progress, Stopped};
 use crate::machine::{AxisPositions, FollowError};
 use crate::toolpath::pose::{Pace, Pose};
 use crate::toolpath::{PathError, Toolpath};
@@ -158,21 +158,31 @@ struct Rails {
 /// assert!((plan.samples.last().unwrap().pose.tip - pose(1.0).tip).norm() < 1e-9);
 /// ```
 pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, FiveAxisError> {
-    match plan_past_poles(job, job.at_pole != AtPole::Around, budget) {
+    match plan_past_poles(job, job.at_pole != AtPole::Around, "smoothing", budget) {
         // Where the travel of an axis ends at the pole, the path goes around it.
         Err(error @ (FiveAxisError::OnPole { .. } | FiveAxisError::NotFollowed { .. }))
             if job.at_pole == AtPole::Quickest =>
         {
-            plan_past_poles(job, false, budget).map_err(|_| error)
+            plan_past_poles(job, false, "around poles", budget).map_err(|_| error)
         }
         found => found,
     }
 }
 
-/// The plan whose path goes through poles, or around them.
-fn plan_past_poles(job: &Job, may_cross: bool, budget: &Budget) -> Result<Plan, FiveAxisError> {
+/// The steps of a plan that are told: rails, limits, samples and moves.
+const STEPS: usize = 4;
+
+/// The plan whose path goes through poles, or around them. `stage` names it in progress.
+fn plan_past_poles(
+    job: &Job,
+    may_cross: bool,
+    stage: &'static str,
+    budget: &Budget,
+) -> Result<Plan, FiveAxisError> {
+    let progress = Progress::new(stage, STEPS);
     let path = path(job, may_cross)?;
     let rails = rails(job, &path, budget)?;
+    progress.tell_one(budget);
     let motion = ConstantFeed::new(&rails.rail);
     // No motion within limits is faster.
     job.period_s(motion.duration_s())?;
@@ -182,6 +192,7 @@ fn plan_past_poles(job: &Job, may_cross: bool, budget: &Budget) -> Result<Plan, 
         .as_ref()
         .map(|limits| Drive::new(&rails.rail, machine.map(|own| (own, job.start())), limits, budget));
     let drive = drive.transpose()?;
+    progress.tell_one(budget);
     let followed = machine
         .filter(|_| drive.is_none())
         .map(|machine| Followed::new(&rails.rail, machine, job.start(), budget))
@@ -191,6 +202,7 @@ fn plan_past_poles(job: &Job, may_cross: bool, budget: &Budget) -> Result<Plan, 
         Some(drive) => driven(drive, period_s, budget)?,
         None => at_feed(followed.as_ref(), &motion, period_s, budget)?,
     };
+    progress.tell_one(budget);
     let moves = moves::moves(
         job,
         &path,
@@ -198,6 +210,7 @@ fn plan_past_poles(job: &Job, may_cross: bool, budget: &Budget) -> Result<Plan, 
         moves::Along { drive: drive.as_ref(), followed: followed.as_ref() },
         budget,
     )?;
+    progress.tell_one(budget);
     let cycle_time_s = samples[samples.len() - 1].t_s;
     // The last step may be shorter.
     let even = &samples[..samples.len() - 1];

@@ -1,17 +1,24 @@
 //! A toolpath as points alone, for callers that draw no arcs.
+//!
+//! # Guarantees
+//! * Each point of a move lies within the stated chord of the lines between the points.
+//! * There are at most as many points as the caller allows, or about four for each move if that is more.
+//!
+//! # Cost
+//! O(n + p) for n moves and p points.
 
 use nalgebra::Point3;
 
 use super::Toolpath;
 use super::path::Move;
 use crate::geometry::curve::Curve;
-use crate::geometry::flatten::flatten;
+use crate::geometry::flatten::{flatten, n_chords};
 
 /// The chord is made this much wider where there are too many points.
 const WIDER: f64 = 4.0;
 
-/// The widest chord, mm: wider ones save few points.
-const WIDEST_MM: f64 = 1.0;
+/// A chord that no curve of a toolpath needs, mm: then each one has as few chords as it can.
+const WIDEST_MM: f64 = 1e7;
 
 /// The places of the tip along the whole toolpath, mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,43 +29,42 @@ pub struct Points {
 }
 
 impl Points {
-    /// The points of a toolpath within `chord_mm`, above zero, or within a wider chord where there would be
-    /// more than `most` points. A chord of a millimetre is kept, however many points it needs; then there is
-    /// about one point for each move. Cost O(n) for n points.
+    /// The points of a toolpath within the chord that [`chord`] makes of `chord_mm`, above zero.
     pub fn of(toolpath: &Toolpath, chord_mm: f64, most: usize) -> Self {
-        let mut chord_mm = chord_mm;
-        loop {
-            let most = if chord_mm < WIDEST_MM { most } else { usize::MAX };
-            match within(toolpath, chord_mm, most) {
-                Some(points) => return Self { points, chord_mm },
-                None => chord_mm *= WIDER,
+        let chord_mm = chord(toolpath, chord_mm, most);
+        let mut points = vec![toolpath.start()];
+        for pass in toolpath.passes() {
+            points.extend(pass.start());
+            for step in pass.moves() {
+                match step {
+                    Move::Rapid { line } => points.push(line.end),
+                    Move::Feed { along, .. } => points.extend(flat(along, chord_mm).into_iter().skip(1)),
+                    Move::Turn { .. } | Move::Dwell { .. } => {}
+                }
             }
         }
+        Self { points, chord_mm }
     }
 }
 
-/// The points within a chord; none where there are more than `most` of them.
-fn within(toolpath: &Toolpath, chord_mm: f64, most: usize) -> Option<Vec<Point3<f64>>> {
-    let mut points = vec![toolpath.start()];
-    for pass in toolpath.passes() {
-        points.extend(pass.start());
-        for step in pass.moves() {
-            match step {
-                Move::Rapid { line } => points.push(line.end),
-                Move::Feed { along, .. } => points.extend(flat(along, chord_mm, most).into_iter().skip(1)),
-                Move::Turn { .. } | Move::Dwell { .. } => {}
-            }
-            if points.len() > most {
-                return None;
-            }
-        }
+/// The chord within which the curves of a toolpath have at most `most` chords: `chord_mm`, above zero, or a
+/// wider one. Where there are more moves than that, each curve has as few chords as it can.
+pub fn chord(toolpath: &Toolpath, chord_mm: f64, most: usize) -> f64 {
+    let mut chord_mm = chord_mm;
+    let count = |chord_mm: f64| -> f64 {
+        let of =
+            |step: &Move| if let Move::Feed { along, .. } = step { n_chords(along, chord_mm) } else { 1.0 };
+        toolpath.moves().map(of).sum()
+    };
+    while chord_mm < WIDEST_MM && count(chord_mm) > most as f64 {
+        chord_mm *= WIDER;
     }
-    Some(points)
+    chord_mm
 }
 
-/// The points of a curve, or its ends where it needs too many.
-fn flat(along: &Curve, chord_mm: f64, most: usize) -> Vec<Point3<f64>> {
-    flatten(along, chord_mm, most).unwrap_or_else(|_| vec![along.start(), along.end()])
+/// The points of a curve within a chord of [`chord`], which bounds their number.
+pub fn flat(along: &Curve, chord_mm: f64) -> Vec<Point3<f64>> {
+    flatten(along, chord_mm, usize::MAX).unwrap_or_else(|_| vec![along.start(), along.end()])
 }
 
 #[cfg(test)]
@@ -94,10 +100,15 @@ mod tests {
     }
 
     #[test]
-    fn too_many_points_make_the_chord_wider_and_the_widest_one_is_kept() {
-        let Points { points, chord_mm } = Points::of(&circles(20), 1e-4, 3000);
-        assert!(chord_mm > 1e-4 && points.len() <= 3000, "{chord_mm} {}", points.len());
-        let Points { points, chord_mm } = Points::of(&circles(20), 1e-4, 10);
-        assert!(chord_mm >= WIDEST_MM && points.len() > 10);
+    fn too_many_points_make_the_chord_wider_and_each_curve_keeps_a_few() {
+        for (count, most) in [(20, 3000), (20, 10), (1, 10), (5000, 20_000)] {
+            let Points { points, chord_mm } = Points::of(&circles(count), 1e-4, most);
+            assert!(
+                chord_mm > 1e-4 && points.len() <= (most + 2).max(4 * count + 2),
+                "{count}: {}",
+                points.len()
+            );
+            assert!(points.len() > 3 * count, "{count}: {}", points.len());
+        }
     }
 }

@@ -66,6 +66,11 @@ impl Document {
         Self { origin, bytes: Vec::new(), nodes, meshes, accessors, views }
     }
 
+    /// The place of the part that is the origin of the buffer, mm.
+    pub fn origin(&self) -> Vector3<f64> {
+        self.origin.coords
+    }
+
     /// A place in metres, as the buffer holds it.
     pub fn place(&self, p: &Point3<f64>) -> [f32; 3] {
         let from = (p - self.origin) * METRES;

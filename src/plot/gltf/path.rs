@@ -4,26 +4,22 @@ use nalgebra::{Point3, UnitVector3};
 use serde_json::json;
 
 use super::container::{Document, Mode};
-use super::{Content, KINDS, MOST_VERTICES, WIDEST_MM};
+use super::{Content, KINDS, MOST_VERTICES};
 use toolpathd_core::geometry::curve::Curve;
-use toolpathd_core::geometry::flatten::flatten;
 use toolpathd_core::toolpath::Toolpath;
+use toolpathd_core::toolpath::flattened::{chord, flat};
 use toolpathd_core::toolpath::path::{Move, Pass, Role};
 use toolpathd_core::toolpath::tool_axes::{angle_between, between};
 
-/// The chord is made this much wider where there are too many vertices.
-const WIDER: f64 = 4.0;
-/// The largest turn of the tool axis between two vertices, radians.
+/// The largest turn of the tool axis between two vertices, radians, unless there are too many.
 const LARGEST_TURN: f64 = 0.05;
 
 /// Most passes with a node each. Those of longer toolpaths share nodes.
 const MOST_NODES: usize = 2000;
 
-/// Most points on one curve.
-const MOST_ON_CURVE: usize = 1_000_000;
-
-/// The number of a dwell among the kinds.
+/// The numbers of a dwell and of a way that is not known among the kinds.
 const DWELL: u8 = 7;
+const UNKNOWN: u8 = 9;
 
 /// The colours of the kinds: red, green, blue and opacity.
 const COLORS: [[u8; 4]; KINDS.len()] = [
@@ -36,6 +32,7 @@ const COLORS: [[u8; 4]; KINDS.len()] = [
     [0, 153, 136, 255],
     [238, 51, 119, 255],
     [238, 51, 119, 255],
+    [200, 200, 200, 255],
 ];
 
 /// The strips of all passes, behind each other.
@@ -64,41 +61,40 @@ pub struct Strip {
 
 /// The strips of a toolpath, and the chord that they keep, mm.
 pub fn strips(toolpath: &Toolpath, content: &Content) -> (Strips, f64) {
-    let mut chord_mm = content.chord_mm;
-    loop {
-        let most = if chord_mm < WIDEST_MM { MOST_VERTICES } else { usize::MAX };
-        match strips_within(toolpath, content, chord_mm, most) {
-            Some(strips) => return (strips, chord_mm),
-            None => chord_mm *= WIDER,
-        }
-    }
-}
-
-/// The strips within a chord; none where they have more than `most` vertices and fewer are possible.
-fn strips_within(toolpath: &Toolpath, content: &Content, chord_mm: f64, most: usize) -> Option<Strips> {
+    let chord_mm = chord(toolpath, content.chord_mm, MOST_VERTICES);
     let mut strips = Strips { has_times: true, ..Strips::default() };
     let shared = toolpath.passes().len().div_ceil(MOST_NODES).max(1);
-    let mut walk = Walk { chord_mm, content, is_leaning: !toolpath.is_upright(), seconds: 0.0, n_moves: 0 };
+    let turn = largest_turn(toolpath);
+    let is_leaning = !toolpath.is_upright();
+    let mut walk = Walk { chord_mm, turn, content, is_leaning, seconds: 0.0, n_moves: 0 };
     let mut at = toolpath.start();
     for (k, pass) in toolpath.passes().iter().enumerate() {
-        if k % shared == 0 || pass.start().is_some() || strips.passes.is_empty() {
+        let is_apart = pass.start().is_some() && strips.passes.len() < MOST_NODES;
+        if k % shared == 0 || is_apart || strips.passes.is_empty() {
             strips.begin(k, pass, content);
             walk.start(&mut strips, pass, pass.start().unwrap_or(at));
+        } else if let Some(start) = pass.start() {
+            walk.jump(&mut strips, pass, start);
         }
         at = walk.follow(&mut strips, pass).unwrap_or(at);
         strips.end();
-        // One vertex for each move is needed at any chord.
-        if strips.places.len() > most.max(2 * walk.n_moves) {
-            return None;
-        }
     }
     strips.passes.retain(|strip| strip.count > 1);
-    Some(strips)
+    (strips, chord_mm)
 }
 
-/// The points of a curve whose chords stay within `chord_mm` of it, or its ends where it needs too many.
-fn points(curve: &Curve, chord_mm: f64) -> Vec<Point3<f64>> {
-    flatten(curve, chord_mm, MOST_ON_CURVE).unwrap_or_else(|_| vec![curve.start(), curve.end()])
+/// The largest turn of the tool axis between two vertices, radians: wider where there would be too many.
+fn largest_turn(toolpath: &Toolpath) -> f64 {
+    let mut whole = 0.0;
+    for pass in toolpath.passes() {
+        let mut axis = pass.axes().start();
+        for k in 0..pass.moves().len() {
+            let to = pass.axes().after(k);
+            whole += angle_between(&axis, &to);
+            axis = to;
+        }
+    }
+    LARGEST_TURN.max(whole / MOST_VERTICES as f64)
 }
 
 /// The points of a curve in `count` parts of the same length.
@@ -128,6 +124,8 @@ impl Strips {
 /// What a walk along the moves knows.
 struct Walk<'a> {
     chord_mm: f64,
+    /// The largest turn of the tool axis between two vertices, radians.
+    turn: f64,
     content: &'a Content<'a>,
     is_leaning: bool,
     seconds: f64,
@@ -151,6 +149,16 @@ impl Walk<'_> {
         let line = self.n_moves.checked_sub(1).and_then(|k| self.content.lines.get(k)).copied().unwrap_or(0);
         let axis = pass.axes().start();
         self.push(strips, at, &MoveFacts { kind, feed, seconds: Some(0.0), line, axes: [axis; 2] }, 1.0);
+    }
+
+    /// Goes on at a place to which the way is not known, within a strip that several passes share.
+    fn jump(&self, strips: &mut Strips, pass: &Pass, at: Point3<f64>) {
+        let axes = [pass.axes().start(); 2];
+        let stretch = MoveFacts { kind: UNKNOWN, feed: 0.0, seconds: Some(0.0), line: 0, axes };
+        if let Some(last) = strips.places.last().copied() {
+            self.push(strips, last, &stretch, 0.0);
+        }
+        self.push(strips, at, &stretch, 1.0);
     }
 
     /// Follows the moves of a pass. Returns where they end.
@@ -177,7 +185,7 @@ impl Walk<'_> {
         {
             self.push(strips, last, &MoveFacts { seconds: Some(0.0), ..*stretch }, 0.0);
         }
-        let turning = (angle_between(&stretch.axes[0], &stretch.axes[1]) / LARGEST_TURN).ceil() as usize;
+        let turning = (angle_between(&stretch.axes[0], &stretch.axes[1]) / self.turn).ceil() as usize;
         let curve = match step {
             Move::Rapid { line } => Curve::Line(*line),
             Move::Feed { along, .. } => *along,
@@ -189,7 +197,7 @@ impl Walk<'_> {
                 return None;
             }
         };
-        let mut along = points(&curve, self.chord_mm);
+        let mut along = flat(&curve, self.chord_mm);
         if along.len() <= turning {
             along = even_points(&curve, turning);
         }
@@ -289,10 +297,21 @@ impl Arrays {
                 strips.axes.iter().map(|axis| [axis.x as f32, axis.y as f32, axis.z as f32]).collect();
             others.push(("_AXIS", document.vec3(&axes)));
         }
-        let colors: Vec<[u8; 4]> = strips.kinds.iter().map(|kind| COLORS[usize::from(*kind)]).collect();
+        let linear = COLORS.map(linear);
+        let colors: Vec<[u8; 4]> = strips.kinds.iter().map(|kind| linear[usize::from(*kind)]).collect();
         others.push(("COLOR_0", document.colors(&colors)));
         Self { placed, positions, others }
     }
+}
+
+/// A colour of a screen (sRGB) as glTF has it: in proportion to the light.
+fn linear([red, green, blue, opacity]: [u8; 4]) -> [u8; 4] {
+    let light = |channel: u8| {
+        let part = f64::from(channel) / 255.0;
+        let light = if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) };
+        (255.0 * light).round() as u8
+    };
+    [light(red), light(green), light(blue), opacity]
 }
 
 /// The node of a strip.

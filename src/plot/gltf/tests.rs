@@ -85,6 +85,7 @@ fn content(toolpath: Option<&Toolpath>) -> Content<'_> {
         lines: &[],
         names: &[],
         part: None,
+        part_chord_mm: None,
         stock: None,
         tool: None,
         diagrams: &[],
@@ -152,6 +153,11 @@ fn a_part_far_from_the_origin_keeps_its_precision() {
     let moved = &file.node("part")["translation"];
     let origin =
         Vector3::new(moved[0].as_f64().unwrap(), -moved[2].as_f64().unwrap(), moved[1].as_f64().unwrap());
+    // The cutter stays about its own tip.
+    let tool = Tool::ball(5.0);
+    let body = ToolBody::default();
+    let far = File::read(&glb(&Content { tool: Some((&tool, &body)), ..content(Some(&path)) }));
+    assert!(far.places("cutter").iter().all(|p| p.xy().norm() < 5.0 + 1e-6 && p.z > -1e-6));
     for (k, place) in file.places("pass 1").iter().enumerate() {
         let place = place + origin / container::METRES;
         assert!((place - Vector3::new(at + 0.1 * k as f64, 0.0, 0.0)).norm() < 1e-5, "{k}: {place}");
@@ -217,6 +223,25 @@ fn too_many_vertices_make_the_chord_wider_and_the_file_says_so() {
     let chord_mm = file.node("part")["extras"]["chord_mm"].as_f64().unwrap();
     assert!(chord_mm > CHORD_MM && chord_mm <= 1.0, "{chord_mm}");
     assert!(file.places("pass 1").len() <= MOST_VERTICES + 601);
+}
+
+#[test]
+fn passes_beyond_the_nodes_share_strips_with_ways_that_are_not_known() {
+    let mut path = Toolpath::builder(Point3::origin());
+    for k in 0..3000 {
+        let x = f64::from(k);
+        path.begin_pass_apart(Point3::new(x, 10.0, 0.0));
+        path.line(Point3::new(x, 20.0, 0.0), feed(100.0), Role::Cut).unwrap();
+    }
+    let path = path.finish().unwrap();
+    let file = File::read(&glb(&content(Some(&path))));
+    let strips = file.json["meshes"].as_array().unwrap().len();
+    assert!((1500..=4000).contains(&strips), "{strips}");
+    let kinds = |name: &str| file.attribute(name, "_KIND");
+    assert!(!kinds("pass 1").contains(&9.0));
+    let names = file.json["nodes"].as_array().unwrap().iter().filter_map(|node| node["name"].as_str());
+    let shared = names.rev().find(|name| name.starts_with("pass ")).unwrap().to_owned();
+    assert!(kinds(&shared).contains(&9.0), "{shared}");
 }
 
 #[test]

@@ -50,6 +50,7 @@ use small_job::SmallJob;
 use stages::Stages;
 use timing::{SERVER_TIMING, Timing};
 use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::surface::any_surface::AnySurface;
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::cutting::{Caution, Cutting};
 use toolpathd_core::toolpath::flattened::Points;
@@ -122,14 +123,21 @@ pub trait Product {
     fn members(self, written: Option<String>, form: &Form) -> Self::Members;
 }
 
-/// The product of an operation that answers a report alone.
-impl Product for () {
+/// The product of an operation that answers a report on a surface alone. The surface is made again where
+/// somebody wants to see it.
+pub struct OnSurface(pub Box<dyn Fn() -> Option<AnySurface> + Send>);
+
+impl Product for OnSurface {
     type Members = NoMembers;
 
     const TITLE: &'static str = "Surface";
 
     fn cut(&self) -> Option<&Cut> {
         None
+    }
+
+    fn solids(&self, _: &Budget) -> Result<Solids, ApiError> {
+        Ok((self.0)().map(|surface| Solids::of_surface(&surface)).unwrap_or_default())
     }
 
     fn members(self, _: Option<String>, _: &Form) {}

@@ -75,7 +75,7 @@ impl File {
         let digest = BASE64_STANDARD.encode(&Sha256::digest(&data)[..12]);
         Some(Self {
             media_type,
-            tag: HeaderValue::from_str(&format!("\"{digest}\"")).ok()?,
+            tag: HeaderValue::from_str(&format!("W/\"{digest}\"")).ok()?,
             coded: compression::gzip_once(&data).ok()?.into(),
             plain: data.into(),
         })
@@ -99,12 +99,14 @@ impl File {
         (fixed, typed, self.plain.clone()).into_response()
     }
 
-    /// Whether the caller has this version of the file (RFC 9110, section 13.1.2).
+    /// Whether the caller has this version of the file (RFC 9110, section 13.1.2). The tag is weak: it is the
+    /// same with and without gzip.
     fn is_known(&self, headers: &HeaderMap) -> bool {
         let known = headers.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
         let mut tags =
             known.flat_map(|value| value.split(',')).map(|tag| tag.trim().trim_start_matches("W/"));
-        tags.any(|tag| tag == "*" || tag.as_bytes() == self.tag.as_bytes())
+        let own = self.tag.to_str().unwrap_or_default().trim_start_matches("W/");
+        tags.any(|tag| tag == "*" || tag == own)
     }
 }
 

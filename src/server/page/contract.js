@@ -1,5 +1,7 @@
 // Reads the contract of the service (OpenAPI 3.1) and lists the operations that a form can be made for.
 
+import { isObject, pathOf } from "./form/value.js";
+
 /** @typedef {Record<string, any>} Schema  a JSON schema of the contract */
 /** @typedef {(schema: Schema) => Schema} Resolve */
 /** @typedef {{name: string, schema: Schema, help: string}} Param  a parameter of the address */
@@ -14,7 +16,6 @@
  * @property {Param[]} params
  * @property {string[]} forms  media types of the answer
  * @property {Map<string, any>} examples  bodies by name, or an `Elsewhere`
- * @property {boolean} takesText  whether NC text may be sent in place of JSON
  */
 
 /** @typedef {{operations: Operation[], resolve: Resolve}} Contract */
@@ -79,8 +80,7 @@ export function contractOf(contract) {
  */
 function operationOf(path, item, resolve) {
   const post = item?.post;
-  const content = resolve(post?.requestBody ?? {}).content ?? {};
-  const json = content["application/json"];
+  const json = resolve(post?.requestBody ?? {}).content?.["application/json"];
   if (!post || !json?.schema || path.includes("{")) return null;
   const answer = resolve(post.responses?.["200"] ?? {});
   return {
@@ -92,7 +92,6 @@ function operationOf(path, item, resolve) {
     params: paramsOf([...(item.parameters ?? []), ...(post.parameters ?? [])], resolve),
     forms: Object.keys(answer.content ?? {}),
     examples: examplesOf(json, resolve),
-    takesText: "text/x-gcode" in content,
   };
 }
 
@@ -132,7 +131,7 @@ function examplesOf(media, resolve) {
  * @returns {Schema}
  */
 function resolved(contract, schema) {
-  let found = isRecord(schema) ? schema : {};
+  let found = /** @type {Schema} */ (isObject(schema) ? schema : {});
   for (let step = 0; step < REFERENCES && typeof found.$ref === "string"; step += 1) {
     const { $ref, ...beside } = found;
     found = { ...target(contract, $ref), ...beside };
@@ -148,16 +147,8 @@ function resolved(contract, schema) {
 function target(contract, reference) {
   if (!reference.startsWith("#/")) return {};
   let place = contract;
-  for (const step of reference.slice(2).split("/")) {
-    place = place?.[step.replaceAll("~1", "/").replaceAll("~0", "~")];
+  for (const step of pathOf(reference)) {
+    place = place?.[step];
   }
-  return isRecord(place) ? place : {};
-}
-
-/**
- * @param {any} value
- * @returns {value is Record<string, any>}
- */
-function isRecord(value) {
-  return typeof value === "object" && value !== null && !Array.isArray(value);
+  return isObject(place) ? place : {};
 }

@@ -21,6 +21,13 @@ export function el(tag, attributes = {}, ...children) {
   return node;
 }
 
+/** The element of the page with an id. @template {HTMLElement} T @param {string} id @param {new () => T} kind @returns {T} */
+export function byId(id, kind) {
+  const found = document.getElementById(id);
+  if (!(found instanceof kind)) throw new Error(`the page lacks ${id}`);
+  return found;
+}
+
 /**
  * @param {string} text
  * @param {(event: Event) => void} press

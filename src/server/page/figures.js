@@ -1,4 +1,10 @@
-// Figures as people read them: at most four digits that matter, and times.
+// Figures as people read them: at most four digits that matter, places, and times.
+
+/** A number with its thousands apart. A comma would read as a decimal sign. @param {number} value */
+export const grouped = (value) => value.toLocaleString("en").replaceAll(",", "\u202f");
+
+/** A coordinate, mm: controls and drawings count micrometres, wherever the part lies. @param {number} value */
+export const placeText = (value) => (Math.abs(value) < 1e15 ? grouped(Number(value.toFixed(3)) + 0) : String(value));
 
 /** A number with four digits that matter. Whole numbers may count something, so they keep all. @param {number} value */
 export function digits(value) {
@@ -6,8 +12,8 @@ export function digits(value) {
   const size = Math.abs(value);
   if (size >= 1e15) return value.toExponential(3);
   // Adding 0 makes 0 of -0.
-  if (Number.isInteger(value)) return (value + 0).toLocaleString("en");
-  if (size >= 1000) return Number(value.toPrecision(4)).toLocaleString("en");
+  if (Number.isInteger(value)) return grouped(value + 0);
+  if (size >= 1000) return grouped(Number(value.toPrecision(4)));
   if (size < 1e-4) return value.toExponential(2);
   const after = Math.min(6, Math.max(0, 3 - Math.floor(Math.log10(size))));
   return String(Number(value.toFixed(after)));

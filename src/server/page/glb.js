@@ -3,6 +3,7 @@
 /** @import { Diagram } from "./charts/course.js" */
 /** @import { MeshData, PathData } from "./view/types.js" */
 
+import { CUT } from "./view/timeline.js";
 import { KINDS } from "./view/types.js";
 
 const MAGIC = 0x46546c67;
@@ -145,7 +146,6 @@ function readPath(reader, node) {
     kinds: new Uint8Array(count),
     feeds: new Float32Array(count),
     blocks: new Uint32Array(count),
-    deviations: /** @type {Float32Array | null} */ (null),
     axes: /** @type {Float32Array | null} */ (null),
     strips: /** @type {PathData["strips"]} */ ([]),
   };
@@ -160,24 +160,26 @@ function readPath(reader, node) {
       ["_FEED", path.feeds], ["_BLOCK", path.blocks]])) {
       if (attributes[name] !== undefined) numbers.set(reader.floats(attributes[name]), first);
     }
-    if (attributes["_DEVIATION"] !== undefined) {
-      path.deviations ??= new Float32Array(count).fill(NaN);
-      path.deviations.set(reader.floats(attributes["_DEVIATION"]), first);
-    }
     if (attributes["_AXIS"] !== undefined) {
       path.axes ??= new Float32Array(3 * count);
       path.axes.set(reader.floats(attributes["_AXIS"]), 3 * first);
     }
     const level = pass.extras?.["level"];
     const length = places.length / 3;
-    path.strips.push({
-      first, count: length, name: pass.name ?? "", pass: k + 1, level: typeof level === "number" ? level + 1 : null,
-    });
+    // Passes without moves have no strip, so the number of the pass stands in the name.
+    const number = Number(/\d+/.exec(pass.name ?? "")?.[0] ?? k + 1);
+    path.strips.push({ first, count: length, pass: number, level: typeof level === "number" ? level + 1 : null });
     first += length;
   }
-  // What the view has no kind for rests.
-  for (let k = 0; k < count; k++) path.kinds[k] = Math.min(path.kinds[k] ?? 0, KINDS.length - 1);
+  const numbers = kindNumbers(reader.extras["kinds"]);
+  for (let k = 0; k < count; k++) path.kinds[k] = numbers[path.kinds[k] ?? CUT] ?? CUT;
   return path;
+}
+
+/** The view's number of each kind of a file; what the view does not know counts as a cut. @param {unknown} names */
+function kindNumbers(names) {
+  const told = Array.isArray(names) ? names : KINDS;
+  return told.map((name) => /** @type {readonly unknown[]} */ (KINDS).indexOf(name)).map((k) => (k < 0 ? CUT : k));
 }
 
 /** @param {Reader} reader @param {Node} pass */

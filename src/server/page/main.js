@@ -4,37 +4,27 @@
 /** @import { Answer } from "./run.js" */
 
 import { exampleOf, loadContract } from "./contract.js";
-import { button, el } from "./dom.js";
+import { byId } from "./dom.js";
+import { Downloads, saveFile } from "./downloads.js";
 import { RequestForm } from "./form/form.js";
 import { JsonText } from "./form/json.js";
+import { valueAt } from "./form/value.js";
 import { digits } from "./figures.js";
 import { fragmentOf, requestOf } from "./link.js";
 import { ProgramText } from "./nc.js";
 import { opened, withText } from "./open.js";
 import { Picture } from "./picture.js";
 import { showReport } from "./report.js";
-import { Problem, address, curl, run } from "./run.js";
+import { Problem, address, curl, detailOf, run } from "./run.js";
 import { open as openTab, tabs } from "./tabs.js";
 import { TEXTS } from "./texts.js";
 
-/** Forms of an answer to take along, by their media types. */
-const FORMS = /** @type {const} */ ([
-  ["json", "application/json"], ["svg", "image/svg+xml"], ["glb", "model/gltf-binary"], ["html", "text/html"],
-]);
-
 /** Where request, picture and answer stand one below the other. */
 const NARROW = "(max-width: 1000px)";
-/** The operation that reads programs. */
-const READING = "/v1/programs/read";
+/** The file with a request that is too long for a command. */
+const REQUEST_FILE = "request.json";
 /** A larger file is not read, bytes: browsers hold no longer texts. */
 const LARGEST_FILE = 400_000_000;
-
-/** @template {HTMLElement} T @param {string} id @param {new () => T} kind @returns {T} */
-function byId(id, kind) {
-  const found = document.getElementById(id);
-  if (!(found instanceof kind)) throw new Error(`the page lacks ${id}`);
-  return found;
-}
 
 class Page {
   /** @param {Contract} contract */
@@ -52,12 +42,14 @@ class Page {
       online: (line) => this.picture.highlight(line),
     });
     this.picture = new Picture((line) => this.program.light(line));
+    this.downloads = new Downloads((text) => this.tell(text));
     /** @type {unknown} */
     this.body = {};
+    /** The requests that people made, by operation. @type {Map<Operation, unknown>} */
+    this.own = new Map();
     /** @type {AbortController | null} */
     this.controller = null;
-    /** @type {string | null} */
-    this.fileUrl = null;
+    this.hasAnswer = false;
     this.operation = this.fillOperations();
     /** The example that is fetched. @type {Promise<void>} */
     this.chosen = Promise.resolve();
@@ -66,7 +58,8 @@ class Page {
   fillOperations() {
     const { operations } = this.contract;
     for (const operation of operations) this.operations.add(new Option(operation.title, operation.path));
-    const first = operations.find((one) => one.path === "/v1/pockets/plan") ?? operations[0];
+    // The operation with the most examples is the one that people know best.
+    const [first] = [...operations].sort((a, b) => b.examples.size - a.examples.size);
     if (first === undefined) throw new Error(TEXTS.noContract);
     return first;
   }
@@ -74,7 +67,9 @@ class Page {
   listen() {
     this.operations.addEventListener("change", () => this.chooseOperation(this.operations.value));
     this.examples.addEventListener("change", () => {
+      const own = this.own.get(this.operation);
       if (this.examples.value !== "") this.chooseExample(this.examples.value);
+      else if (own !== undefined) this.set(own);
     });
     addEventListener("hashchange", () => this.follow(location.hash));
     this.runButton.addEventListener("click", () => this.run());
@@ -83,14 +78,14 @@ class Page {
     byId("copy-link", HTMLButtonElement).addEventListener("click", () => this.copyLink());
     byId("open", HTMLInputElement).addEventListener("change", (event) => {
       const input = /** @type {HTMLInputElement} */ (event.target);
-      if (input.files?.[0]) this.openFile(input.files[0]).finally(() => (input.value = ""));
+      if (input.files?.[0]) this.take(input.files[0]).finally(() => (input.value = ""));
     });
     document.addEventListener("dragover", (event) => event.preventDefault());
     document.addEventListener("drop", (event) => {
       const file = event.dataTransfer?.files[0];
       if (event.defaultPrevented || file === undefined) return;
       event.preventDefault();
-      this.openFile(file);
+      this.take(file);
     });
     byId("find", HTMLFormElement).addEventListener("submit", (event) => {
       event.preventDefault();
@@ -117,9 +112,18 @@ class Page {
     if (fragment.length < 2) return false;
     const linked = await requestOf(fragment);
     const asked = linked && this.contract.operations.find((one) => one.path === linked.operation);
-    if (!asked) this.tell(TEXTS.badLink);
-    else await this.chooseOperation(asked.path, linked.body);
-    return Boolean(asked);
+    if (!asked) {
+      this.tell(TEXTS.badLink);
+      return false;
+    }
+    try {
+      await this.chooseOperation(asked.path, linked.body);
+    } catch {
+      // A link may hold anything, such as a body that breaks the form.
+      await this.chooseOperation(asked.path);
+      this.tell(TEXTS.badLink);
+    }
+    return true;
   }
 
   /** Shows an operation with a request, or with its first example. @param {string} path @param {unknown} [body] */
@@ -132,16 +136,19 @@ class Page {
     const names = [...operation.examples.keys()];
     this.examples.replaceChildren(new Option(TEXTS.ownRequest, ""), ...names.map((name) => new Option(name, name)));
     if (body === undefined) return this.chooseExample(names[0] ?? "");
-    this.examples.value = "";
-    this.set(body);
+    this.setOwn(body);
   }
 
   /** @param {string} name */
   chooseExample(name) {
     const ask = byId("ask", HTMLElement);
     ask.setAttribute("aria-busy", "true");
-    const chosen = this.fetchExample(name).catch((error) => this.fail(error, false)).finally(() => {
-      if (this.chosen === chosen) ask.removeAttribute("aria-busy");
+    // The form still holds the request of what was chosen before.
+    ask.inert = true;
+    const chosen = this.fetchExample(name).finally(() => {
+      if (this.chosen !== chosen) return;
+      ask.removeAttribute("aria-busy");
+      ask.inert = false;
     });
     this.chosen = chosen;
     return chosen;
@@ -151,30 +158,64 @@ class Page {
   async fetchExample(name) {
     this.examples.value = name;
     const { operation } = this;
-    const body = name === "" ? {} : await exampleOf(operation, name);
     // Another one may have been chosen meanwhile.
-    if (this.operation === operation && this.examples.value === name) this.set(body);
+    const isChosen = () => this.operation === operation && this.examples.value === name;
+    try {
+      const body = name === "" ? {} : await exampleOf(operation, name);
+      if (isChosen()) this.set(body);
+    } catch (error) {
+      if (!isChosen()) return;
+      this.examples.value = "";
+      this.set({});
+      this.tell(TEXTS.noExample(name, detailOf(error)));
+    }
+  }
+
+  /** Shows a request that is no example. @param {unknown} body */
+  setOwn(body) {
+    this.examples.value = "";
+    this.set(body);
+    this.own.set(this.operation, body);
   }
 
   /** Shows a request. @param {unknown} body */
   set(body) {
     this.body = body;
-    this.form.clearErrors();
+    this.markOld(true);
     this.form.show(this.operation, body);
     this.json.set(body);
   }
 
   /** @param {unknown} body @param {"form" | "json"} from */
   changed(body, from) {
+    if (from === "form" && this.json.isBroken && !confirm(TEXTS.replaceJson)) {
+      this.form.show(this.operation, this.body);
+      return this.showBrokenJson();
+    }
     this.body = body;
+    this.own.set(this.operation, body);
+    this.markOld(true);
     this.examples.value = "";
     if (from === "json") this.form.show(this.operation, body);
     else this.json.set(body);
   }
 
+  /** Shows the text that is no JSON, and what is wrong with it. */
+  showBrokenJson() {
+    openTab(byId("tab-json", HTMLElement));
+    byId("json", HTMLTextAreaElement).focus();
+    this.tell(TEXTS.brokenJson);
+  }
+
+  /** Tells at picture and answer whether they belong to an earlier request. @param {boolean} isOld */
+  markOld(isOld) {
+    for (const id of ["old-picture", "old-answer"]) byId(id, HTMLElement).hidden = !isOld || !this.hasAnswer;
+  }
+
   /** @param {string} text */
   tell(text) {
-    this.status.textContent = text;
+    // Screen readers would say the same text again.
+    if (this.status.textContent !== text) this.status.textContent = text;
   }
 
   /** The query for an answer with all that the page shows. @returns {Record<string, string>} */
@@ -191,6 +232,7 @@ class Page {
   async run() {
     // A request that is still fetched is the one that people mean.
     await this.chosen;
+    if (this.json.isBroken) return this.showBrokenJson();
     this.controller?.abort();
     const controller = new AbortController();
     this.controller = controller;
@@ -200,25 +242,26 @@ class Page {
     this.progress.hidden = false;
     this.progress.removeAttribute("value");
     const { operation, body } = this;
+    // Of two runs at once, the later one alone tells and shows something.
+    const isLatest = () => this.controller === controller;
     const begun = performance.now();
     try {
       const answer = await run({
         path: operation.path, query: this.query(), body: JSON.stringify(body), signal: controller.signal,
         onprogress: ({ stage, fraction }) => {
+          if (!isLatest()) return;
           this.progress.value = fraction;
-          this.tell(TEXTS.stage(stage.replaceAll("_", " "), Math.round(100 * fraction)));
+          this.tell(TEXTS.stage(stage.replaceAll("_", " ")));
         },
-      }).catch((error) => {
-        // Where no answer comes, browsers throw a TypeError.
-        throw error instanceof TypeError ? new Error(TEXTS.noService) : error;
       });
+      if (!isLatest()) return;
       this.show(answer, operation, body);
       const seconds = digits((performance.now() - begun) / 1000);
       this.tell(TEXTS.done(seconds, answer.warnings.length));
     } catch (error) {
-      this.fail(error, controller.signal.aborted);
+      if (isLatest()) this.fail(error, controller.signal.aborted, this.stillAsks(operation, body));
     } finally {
-      if (this.controller === controller) {
+      if (isLatest()) {
         this.controller = null;
         this.cancelButton.disabled = true;
         this.progress.hidden = true;
@@ -226,82 +269,37 @@ class Page {
     }
   }
 
-  /** @param {unknown} error @param {boolean} isCancelled */
-  fail(error, isCancelled) {
+  /** Whether the form still holds a request. @param {Operation} operation @param {unknown} body */
+  stillAsks(operation, body) {
+    return this.operation === operation && this.body === body;
+  }
+
+  /** @param {unknown} error @param {boolean} isCancelled @param {boolean} isInForm  whether its fields are those of the form */
+  fail(error, isCancelled, isInForm) {
+    this.markOld(true);
     if (isCancelled) return this.tell(TEXTS.cancelled);
-    if (error instanceof Problem && error.errors.length > 0) {
+    if (error instanceof Problem && error.errors.length > 0 && isInForm) {
       openTab(byId("tab-form", HTMLElement));
       this.form.setErrors(error.errors);
       return this.tell(TEXTS.refused(error.errors.length));
     }
-    const detail = error instanceof Error ? error.message : String(error);
-    this.tell(TEXTS.failed(detail || TEXTS.brokenOff));
+    this.tell(TEXTS.failed(detailOf(error)));
   }
 
   /** @param {Answer} answer @param {Operation} operation @param {unknown} body */
   show(answer, operation, body) {
-    byId("hint", HTMLParagraphElement).hidden = true;
+    this.hasAnswer = true;
     if (matchMedia(NARROW).matches) byId("see", HTMLElement).scrollIntoView();
-    this.picture.show(answer.glb, /** @type {Record<string, unknown>} */ (body));
-    const text = answer.nc ?? (operation.path === READING ? ownProgram(body) : undefined);
+    this.picture.show(answer.glb, body);
+    const text = answer.nc ?? ownProgram(body);
     this.program.set(text ?? TEXTS.noProgram);
     showReport(byId("report", HTMLElement), answer, this.picture.charts.element);
-    openTab(byId(text === undefined ? "tab-report" : "tab-program", HTMLElement));
-    this.offer(text, operation, body);
-    if (this.picture.view === null) this.showSheet(operation, body);
-  }
-
-  /**
-   * Shows the flat drawing of an answer, where the browser has no picture in three dimensions.
-   * @param {Operation} operation
-   * @param {unknown} body
-   */
-  async showSheet(operation, body) {
-    const sheet = byId("sheet", HTMLImageElement);
-    if (!operation.forms.includes("image/svg+xml")) return void (sheet.hidden = true);
-    const response = await this.ask(operation, body, "svg");
-    if (!response.ok) return;
-    URL.revokeObjectURL(sheet.src);
-    sheet.src = URL.createObjectURL(await response.blob());
-    sheet.alt = TEXTS.sheet;
-    sheet.hidden = false;
-  }
-
-  /** Asks for another form of an answer. @param {Operation} operation @param {unknown} body @param {string} form */
-  ask(operation, body, form) {
-    return fetch(address(operation.path, { format: form }), {
-      method: "POST", body: JSON.stringify(body), headers: { "content-type": "application/json" },
-    });
-  }
-
-  /**
-   * Offers the program and the other forms of the answer as files.
-   * @param {string | undefined} text
-   * @param {Operation} operation
-   * @param {unknown} body
-   */
-  offer(text, operation, body) {
-    const link = byId("download", HTMLAnchorElement);
-    if (this.fileUrl !== null) URL.revokeObjectURL(this.fileUrl);
-    this.fileUrl = text === undefined ? null : URL.createObjectURL(new Blob([text], { type: "text/plain" }));
-    link.setAttribute("aria-disabled", String(text === undefined));
-    if (this.fileUrl === null) link.removeAttribute("href");
-    else link.href = this.fileUrl;
-    link.download = "program.nc";
-    const forms = FORMS.filter(([, type]) => operation.forms.includes(type))
-      .map(([form]) => button(TEXTS.downloads[form], () => this.download(operation, body, form)));
-    byId("downloads", HTMLParagraphElement).replaceChildren(...forms);
-  }
-
-  /** Saves another form of the answer. @param {Operation} operation @param {unknown} body @param {string} form */
-  async download(operation, body, form) {
-    this.tell(TEXTS.running);
-    const response = await this.ask(operation, body, form);
-    if (!response.ok) return this.tell(TEXTS.failed(`${response.status}`));
-    const link = el("a", { href: URL.createObjectURL(await response.blob()), download: `answer.${form}` });
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
-    this.tell(TEXTS.ready);
+    const program = byId("tab-program", HTMLElement);
+    if (text === undefined && program.getAttribute("aria-selected") === "true") openTab(byId("tab-report", HTMLElement));
+    this.downloads.offer(text, operation, body);
+    this.markOld(!this.stillAsks(operation, body));
+    if (this.picture.view !== null) return;
+    this.picture.showSheet(operation, body).catch((error) => this.tell(TEXTS.failed(detailOf(error))));
   }
 
   /** @param {string} wanted */
@@ -312,25 +310,34 @@ class Page {
   }
 
   copyCurl() {
-    const form = this.operation.forms.includes("text/x-gcode") ? "gcode" : "json";
-    this.copy(curl(this.operation.path, { format: form }, JSON.stringify(this.body)));
+    const { path, forms } = this.operation;
+    const form = forms.includes("text/x-gcode") ? "gcode" : "json";
+    const body = JSON.stringify(this.body);
+    const { command, needsFile } = curl(new URL(address(path, { format: form }), document.baseURI).href, body, REQUEST_FILE);
+    if (needsFile) saveFile(new Blob([body], { type: "application/json" }), REQUEST_FILE);
+    return this.copy(command, needsFile ? TEXTS.copiedWithFile(REQUEST_FILE) : TEXTS.copiedCurl);
   }
 
   async copyLink() {
     const fragment = await fragmentOf({ operation: this.operation.path, body: this.body });
     if (fragment === null) return this.tell(TEXTS.linkTooLong);
     history.replaceState(null, "", fragment);
-    await this.copy(location.href);
+    await this.copy(location.href, TEXTS.copied);
   }
 
-  /** @param {string} text */
-  async copy(text) {
+  /** @param {string} text @param {string} told  where it is copied */
+  async copy(text, told) {
     try {
       await navigator.clipboard.writeText(text);
-      this.tell(TEXTS.copied);
+      this.tell(told);
     } catch {
       this.tell(TEXTS.notCopied);
     }
+  }
+
+  /** Opens a file, or tells why it cannot be read: a folder can be dropped too. @param {File} file */
+  take(file) {
+    return this.openFile(file).catch((error) => this.tell(TEXTS.notRead(file.name, detailOf(error))));
   }
 
   /** A request as JSON, a program, a CL file, or rows of numbers. @param {File} file */
@@ -340,8 +347,7 @@ class Page {
     if (kind === "unknown") return this.tell(TEXTS.notUnderstood(file.name));
     if (kind === "table") return this.openTable(file.name, text);
     if (kind === "json") {
-      this.examples.value = "";
-      this.set(value);
+      this.setOwn(value);
       return this.tell(TEXTS.openedRequest(file.name, this.operation.title));
     }
     const request = withText(this.contract, this.operation, this.body, kind, text);
@@ -365,7 +371,7 @@ class Page {
 
 /** The program in a request. @param {unknown} body @returns {string | undefined} */
 function ownProgram(body) {
-  const text = typeof body === "object" && body !== null && "nc" in body ? body.nc : undefined;
+  const text = valueAt(body, ["nc"]);
   return typeof text === "string" ? text : undefined;
 }
 
@@ -374,6 +380,9 @@ function label() {
   const texts = /** @type {Record<string, unknown>} */ (TEXTS);
   for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-text]"))) {
     part.textContent = String(texts[part.dataset["text"] ?? ""] ?? "");
+  }
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-label]"))) {
+    part.setAttribute("aria-label", String(texts[part.dataset["label"] ?? ""] ?? ""));
   }
 }
 

@@ -23,6 +23,8 @@ const CAPITALS = /\b(nc|cl|rpm|id)\b/g;
 const QUANTITIES = {
   speed: "mm/s", acceleration: "mm/s²", jerk: "mm/s³", at: "mm", centroid: "mm", end: "mm", bounds: "mm",
 };
+/** Members that hold coordinates. */
+const PLACES = /^(?:bounds|centroid|end)$|(?:^|_)(?:at|z_mm)$/;
 /** Figures that have the unit of the member around them. */
 const FIGURES = new Set(["bound", "found", "least", "most", "rms", "max", "min"]);
 
@@ -67,6 +69,9 @@ export function unitInReport(name, outer) {
   const own = unitInName(name) || QUANTITIES[name] || (name.endsWith("_at") ? "mm" : "");
   return own || (FIGURES.has(name) ? outer : "");
 }
+
+/** Whether a member of a report holds places, not lengths. @param {string} name */
+export const isPlace = (name) => PLACES.test(name);
 
 /**
  * The unit of a rotary axis in place of the unit of a linear axis.

@@ -1,5 +1,7 @@
 // The text of a program: numbered lines, of which only those that are seen are in the document.
 
+import { TEXTS } from "./texts.js";
+
 /** Texts with fewer lines stand in the document as a whole. */
 const WHOLE_LINES = 4000;
 /** Lines above and below those that are seen. */
@@ -21,6 +23,8 @@ export class ProgramText {
     this.starts = new Uint32Array([0]);
     this.lit = 0;
     this.first = 0;
+    /** The first and the last line that stand in the document. */
+    this.shown = "";
     /** Parts of a line that the wheel has turned already. */
     this.turned = 0;
     this.spacer = document.createElement("div");
@@ -31,6 +35,11 @@ export class ProgramText {
     this.bar.className = "nc-lit";
     this.bar.hidden = true;
     this.gutter.setAttribute("aria-hidden", "true");
+    /** Says the chosen line to screen readers. */
+    this.told = document.createElement("p");
+    this.told.className = "seen-not";
+    this.told.setAttribute("aria-live", "polite");
+    host.after(this.told);
     host.replaceChildren(this.spacer);
     this.spacer.append(this.bar, this.gutter, text);
     host.addEventListener("scroll", () => this.draw());
@@ -48,6 +57,7 @@ export class ProgramText {
   set(text) {
     this.text = text;
     this.starts = lineStarts(text);
+    this.shown = "";
     this.lit = 0;
     this.host.scrollTop = 0;
     const digits = String(this.nLines).length;
@@ -74,11 +84,7 @@ export class ProgramText {
     const top = Math.floor(this.host.scrollTop / pitch);
     this.first = isWhole ? 0 : Math.max(0, top - MARGIN_LINES);
     const end = isWhole ? nLines : Math.min(nLines, top + seen + MARGIN_LINES);
-    const shown = this.text.slice(this.starts[this.first] ?? 0, this.starts[end] ?? this.text.length);
-    if (this.element.textContent !== shown) this.element.textContent = shown;
-    const numbers = [];
-    for (let k = this.first; k < end; k++) numbers.push(k + 1);
-    this.gutter.textContent = numbers.join("\n");
+    this.#write(this.first, end);
     const offset = isWhole ? 0 : this.host.scrollTop - (this.host.scrollTop / pitch - this.first) * lineHeight;
     this.offset = offset;
     for (const part of [this.element, this.gutter]) part.style.transform = `translateY(${offset}px)`;
@@ -87,10 +93,19 @@ export class ProgramText {
     this.bar.style.height = `${lineHeight}px`;
   }
 
-  /** Lights a line, counted from 1; 0 lights none. @param {number} line @param {boolean} [isShown] scrolls to it */
-  light(line, isShown = true) {
+  /** Puts lines and their numbers into the document, if others stand there. @param {number} first @param {number} end */
+  #write(first, end) {
+    const shown = `${first} ${end}`;
+    if (this.shown === shown) return;
+    this.shown = shown;
+    this.element.textContent = this.text.slice(this.starts[first] ?? 0, this.starts[end] ?? this.text.length);
+    this.gutter.textContent = Array.from({ length: end - first }, (_, k) => first + k + 1).join("\n");
+  }
+
+  /** Lights a line, counted from 1, and scrolls to it; 0 lights none. @param {number} line */
+  light(line) {
     this.lit = line;
-    if (line > 0 && isShown) {
+    if (line > 0) {
       const top = (line - 1) * this.pitch;
       const { scrollTop, clientHeight } = this.host;
       if (top < scrollTop || top > scrollTop + (clientHeight - 2 * this.lineHeight) * (this.pitch / this.lineHeight)) {
@@ -153,6 +168,7 @@ export class ProgramText {
   choose(line) {
     if (line < 1 || line > this.nLines) return;
     this.light(line);
+    this.told.textContent = TEXTS.lineTold(line, this.text.slice(this.starts[line - 1], this.starts[line]).trim());
     this.online(line);
   }
 }

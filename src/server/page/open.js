@@ -1,4 +1,5 @@
 // Tells what an opened file is, and makes the request that its text stands for.
+import { isObject } from "./form/value.js";
 import { parseTable } from "./paste.js";
 
 /** @typedef {import("./contract.js").Contract} Contract */
@@ -22,7 +23,7 @@ const CL = /^\s*(?:GOTO|PARTNO|MULTAX|LOADTL|FEDRAT)\b/m;
 export function opened(text) {
   const value = jsonOf(text);
   if (isTable(value)) return { kind: "table", text: value.map((row) => row.join("\t")).join("\n"), value };
-  if (typeof value === "object" && value !== null && !Array.isArray(value)) return { kind: "json", text, value };
+  if (isObject(value)) return { kind: "json", text, value };
   return { kind: kindOf(text), text, value: undefined };
 }
 
@@ -64,6 +65,8 @@ export function withText({ operations, resolve }, chosen, body, member, text) {
     const others = Object.entries(body ?? {}).filter(([name]) => !SOURCES.includes(name));
     return { operation: chosen, body: { ...Object.fromEntries(others), [member]: text } };
   }
-  const operation = operations.find(({ path }) => path === "/v1/programs/read" && member === "nc") ?? operations.find(takes);
+  // An operation that needs nothing else can run at once.
+  const needsOnly = (/** @type {Operation} */ { schema }) => String(resolve(schema).required) === member;
+  const operation = operations.find(needsOnly) ?? operations.find(takes);
   return operation ? { operation, body: { [member]: text } } : null;
 }

@@ -1,7 +1,20 @@
-// Plays the program in time: a scrubber, a button, and a speed.
+// Plays the program in time: a scrubber, a button, and a speed. Also finds lines of the program by time and times by line.
+
+/** @import { PathData } from "./view/types.js" */
 
 import { clock } from "./figures.js";
 import { TEXTS } from "./texts.js";
+import { vertexAfter } from "./view/timeline.js";
+
+/** The line of the program whose move is made at a time, counted from 1; 0 where there is none.
+ * @param {PathData} path @param {number} seconds */
+export const lineAt = ({ times, blocks }, seconds) => blocks[vertexAfter(times, seconds)] ?? 0;
+
+/** When the first move of a line ends, s; null for a line without moves. @param {PathData} path @param {number} line */
+export function timeOf({ times, blocks }, line) {
+  const vertex = line > 0 ? blocks.indexOf(line) : -1;
+  return times[vertex] ?? null;
+}
 
 export class Player {
   /**

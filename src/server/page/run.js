@@ -1,4 +1,9 @@
-// Sends a request to the service, tells its progress, and returns the answer.
+// Sends a request to the service, tells its progress, and returns the answer or another form of it.
+
+import { TEXTS } from "./texts.js";
+
+/** Longest body, bytes, that a command can hold: Linux takes no longer argument than 128 KiB, and signs may be escaped. */
+const LONGEST_ARGUMENT = 100_000;
 
 /**
  * @typedef {{ stage: string, fraction: number, done: number, total: number }} Progress
@@ -13,9 +18,6 @@ export class Problem extends Error {
   /** @param {number} status @param {Record<string, unknown>} body */
   constructor(status, body) {
     super(String(body["detail"] ?? body["title"] ?? `status ${status}`));
-    this.status = status;
-    this.title = String(body["title"] ?? "");
-    this.code = String(body["code"] ?? "");
     const errors = body["errors"];
     /** @type {FieldError[]} */
     this.errors = Array.isArray(errors) ? errors : [];
@@ -24,15 +26,13 @@ export class Problem extends Error {
 
 /**
  * Runs a request. Events tell the progress; the last one is the answer.
- * @param {{ path: string, query: Record<string, string>, body: string, type?: string, signal: AbortSignal,
+ * @param {{ path: string, query: Record<string, string>, body: string, signal: AbortSignal,
  *   onprogress: (progress: Progress) => void }} request
  * @returns {Promise<Answer>}
  * @throws {Problem} where the service refuses
  */
-export async function run({ path, query, body, type = "application/json", signal, onprogress }) {
-  const response = await fetch(address(path, query), {
-    method: "POST", body, signal, headers: { "content-type": type, accept: "text/event-stream" },
-  });
+export async function run({ path, query, body, signal, onprogress }) {
+  const response = await send(path, query, body, { signal, accept: "text/event-stream" });
   const kind = response.headers.get("content-type") ?? "";
   if (!kind.startsWith("text/event-stream")) {
     const told = await response.json().catch(() => ({}));
@@ -49,6 +49,38 @@ export async function run({ path, query, body, type = "application/json", signal
   }
   throw new Problem(response.status, { detail: "" });
 }
+
+/**
+ * Another form of an answer as a file.
+ * @param {string} path @param {string} form @param {unknown} body
+ * @returns {Promise<{ blob: Blob, name: string }>}
+ * @throws {Problem} where the service refuses
+ */
+export async function fileOf(path, form, body) {
+  const response = await send(path, { format: form }, JSON.stringify(body), {});
+  if (!response.ok) throw new Problem(response.status, await response.json().catch(() => ({})));
+  return { blob: await response.blob().catch(noAnswer), name: nameIn(response.headers) ?? `answer.${form}` };
+}
+
+/** The name of a file that the service told; null without one. @param {Headers} headers */
+const nameIn = (headers) => /filename="([^"]+)"/.exec(headers.get("content-disposition") ?? "")?.[1] ?? null;
+
+/**
+ * @param {string} path @param {Record<string, string>} query @param {string} body
+ * @param {{ signal?: AbortSignal, accept?: string }} options
+ */
+function send(path, query, body, { signal, accept = "*/*" }) {
+  const headers = { "content-type": "application/json", accept };
+  return fetch(address(path, query), { method: "POST", body, headers, ...(signal && { signal }) }).catch(noAnswer);
+}
+
+/** Where no answer comes, browsers throw a TypeError that tells people nothing. @param {unknown} error @returns {never} */
+function noAnswer(error) {
+  throw error instanceof TypeError ? new Error(TEXTS.noService) : error;
+}
+
+/** What an error tells people. @param {unknown} error */
+export const detailOf = (error) => (error instanceof Error ? error.message : String(error)) || TEXTS.brokenOff;
 
 /** The address of an operation, relative to the page. @param {string} path @param {Record<string, string>} query */
 export function address(path, query) {
@@ -70,7 +102,7 @@ async function* events(response) {
   let data = "";
   try {
     for (;;) {
-      const { value, done } = await reader.read();
+      const { value, done } = await reader.read().catch(noAnswer);
       if (done) return;
       // A line may come in very many parts, so they are joined once.
       const lines = value.split("\n");
@@ -93,11 +125,13 @@ async function* events(response) {
 }
 
 /**
- * The command that sends the same request with curl.
- * @param {string} path @param {Record<string, string>} query @param {string} body
+ * The command that sends the same request with curl. A body that no command can hold is read from a file.
+ * @param {string} url @param {string} body @param {string} file  its name
+ * @returns {{ command: string, needsFile: boolean }}
  */
-export function curl(path, query, body) {
-  const url = new URL(address(path, query), document.baseURI).href;
-  const quoted = (/** @type {string} */ text) => `'${text.replaceAll("'", "'\\''")}'`;
-  return `curl -s ${quoted(url)} -H 'Content-Type: application/json' --data-binary ${quoted(body)}`;
+export function curl(url, body, file) {
+  const needsFile = new Blob([body]).size > LONGEST_ARGUMENT;
+  // Double quotes are understood by all shells, but they leave signs in a body that shells replace.
+  const sent = needsFile ? `@${file}` : `'${body.replaceAll("'", "'\\''")}'`;
+  return { command: `curl -s "${url}" -H "Content-Type: application/json" --data-binary ${sent}`, needsFile };
 }

@@ -26,7 +26,6 @@ function select(all, chosen) {
     const panel = document.getElementById(tab.getAttribute("aria-controls") ?? "");
     if (panel !== null) panel.hidden = !isChosen;
   }
-  chosen.dispatchEvent(new CustomEvent("chosen", { bubbles: true }));
 }
 
 /** Shows the panel of a tab. @param {HTMLElement} tab */

@@ -1,17 +1,23 @@
 // All texts of the page, to be translated in this one file: of the page, of its form, and of its picture.
 
+import { grouped } from "./figures.js";
+
 /**
  * @param {number} count
  * @param {string} one
  * @param {string} [many]
- * @returns {string}  such as `1 row`, `1,200 rows`
+ * @returns {string}  such as `1 row`, `1 200 rows`
  */
 function counted(count, one, many = `${one}s`) {
-  return `${count.toLocaleString("en")} ${count === 1 ? one : many}`;
+  return `${grouped(count)} ${count === 1 ? one : many}`;
 }
+
+/** Texts of the form, and of what is around it. */
+const SHARED = { yes: "yes", no: "no", next: "Next" };
 
 /** Texts around form and picture. */
 export const TEXTS = {
+  ...SHARED,
   operation: "Operation",
   example: "Example",
   ownRequest: "own request",
@@ -24,6 +30,9 @@ export const TEXTS = {
   copyLink: "Copy link",
   copyCurl: "Copy as curl",
   copied: "Copied.",
+  copiedCurl: "Copied for bash, zsh and other POSIX shells. cmd.exe and PowerShell need other quotes around the request.",
+  copiedWithFile: (/** @type {string} */ name) =>
+    `Copied for any shell. The request is saved as ${name}: run the command in the folder that holds this file.`,
   notCopied: "The browser did not allow copying. Take the link from the address bar, or the request from the tab JSON.",
   open: "Open file",
   picture: "Picture",
@@ -38,15 +47,18 @@ export const TEXTS = {
   hint: "Choose an operation and press Run: the path of the tool is drawn here. "
     + "Files can be dropped here too: an NC program, a CL file, a table of points, or a request in JSON.",
   find: "Find",
-  next: "Next",
   goToLine: "Go to line",
   downloadNc: "NC program",
-  downloads: { json: "JSON", svg: "SVG", glb: "3D model (glb)", html: "Work sheet to print" },
+  downloads: { json: "JSON", svg: "SVG", glb: "3D model (glb)", stl: "Triangles (STL)", html: "Work sheet to print" },
+  saved: (/** @type {string} */ name) => `Saved as ${name}.`,
   loading: "Loading the form …",
   noContract: "The form could not be loaded. Check that the service runs, and reload the page",
   ready: "Ready. Change the request or press Run.",
   running: "Running …",
-  stage: (/** @type {string} */ stage, /** @type {number} */ percent) => `Running: ${stage}, ${percent} %`,
+  stage: (/** @type {string} */ stage) => `Running: ${stage} …`,
+  progress: "Progress of the computation",
+  lines: "Lines of the program. The arrow keys choose a line.",
+  lineTold: (/** @type {number} */ line, /** @type {string} */ text) => `Line ${line}: ${text}`,
   cancelled: "Cancelled.",
   refused: (/** @type {number} */ count) => 
     `Refused: ${counted(count, "field")} to correct, marked in the form.`,
@@ -55,11 +67,22 @@ export const TEXTS = {
   brokenOff: "The answer broke off. Press Run again.",
   done: (/** @type {string} */ seconds, /** @type {number} */ warnings) =>
     `Done in ${seconds} s` + (warnings === 0 ? "." : `, with ${counted(warnings, "warning")}: see the report.`),
+  old: "This answer belongs to an earlier request. Press Run.",
+  brokenJson: "The text in the tab JSON is no JSON. Correct it there, then press Run.",
+  replaceJson: "The tab JSON holds a text that is no JSON. Replace this text by the request of the form?",
+  noExample: (/** @type {string} */ name, /** @type {string} */ detail) =>
+    `The example ${name} could not be loaded, so the request is empty: ${detail}`,
+  noModel: "This answer has nothing to draw. Its figures stand in the report.",
+  noPicture: (/** @type {string} */ detail) => `The picture cannot be drawn: ${detail}`,
+  contextLost: "The browser has taken the graphics processor away from this page. The picture comes back when the browser "
+    + "returns it; if it does not, reload the page.",
   noProgram: "This answer has no program. Its figures stand in the report.",
   noWebGL: "This browser cannot draw in three dimensions (it lacks WebGL 2). "
     + "A flat drawing is shown where the operation has one.",
   sheet: "Drawing of the answer",
   notFound: "Not found in the program.",
+  notRead: (/** @type {string} */ name, /** @type {string} */ detail) =>
+    `${name} could not be read: ${detail} Open a file, not a folder.`,
   notUnderstood: (/** @type {string} */ name) =>
     `${name} was not understood. Open a request in JSON, an NC program, a CL file, or a table of points (CSV or text).`,
   fileTooLarge: (/** @type {string} */ name) => `${name} is too large for the browser. Send it with curl instead.`,
@@ -73,20 +96,21 @@ export const TEXTS = {
     `${name} holds rows of numbers, but no table of this request takes them. Choose an operation such as ${titles}, `
     + "and open the file again.",
   linkTooLong: "The request is too long for a link. Copy it as curl, or copy the text of the tab JSON.",
-  badLink: "The link holds no request that this service knows. An example is shown instead.",
+  badLink: "The link holds no request that this service knows.",
   warnings: "Warnings",
   measures: "Measures",
   figures: "Figures",
   more: (/** @type {number} */ count) => `${count} more`,
-  yes: "yes",
-  no: "no",
   none: "none",
+  entries: (/** @type {number} */ count) => counted(count, "entry", "entries"),
   views: { iso: "Isometric", top: "Top", front: "Front", right: "Right", back: "Back", left: "Left", bottom: "Bottom" },
+  view: "View",
+  ownView: "Own view",
   fit: "Show all",
   perspective: "Perspective",
   material: "Material",
   colorBy: "Colour by",
-  colors: { kind: "kind of move", feed: "feed", deviation: "deviation", level: "level", pass: "pass" },
+  colors: { kind: "kind of move", feed: "feed", level: "level", pass: "pass" },
   assumedStock: "the request states no stock, so its size is assumed",
   obstacles: {
     part: "the answer has no part",
@@ -100,10 +124,11 @@ export const TEXTS = {
   hit: (/** @type {string} */ kind, /** @type {string} */ place, /** @type {string} */ feed, /** @type {number} */ block) =>
     `${VIEW_TEXTS.kinds[kind] ?? kind} at ${place}${feed}${block > 0 ? `, line ${block}` : ""}`,
   charts: {
-    title: "Over time",
+    title: "Over the time of the program",
+    motionTitle: "Over the time of the motion",
+    motion: "These diagrams show the motion without the ways in and out, so their time is not the time of the program.",
     feed: { name: "Feed", unit: "mm/min" },
     height: { name: "Z of the tip", unit: "mm" },
-    deviation: { name: "Deviation", unit: "mm" },
     before: "before",
     after: "after",
     beforeAndAfter: (/** @type {string} */ before, /** @type {string} */ after) => `before ${before}, after ${after}`,
@@ -116,6 +141,7 @@ export const TEXTS = {
 
 /** Texts of the form. */
 export const FORM_TEXTS = {
+  ...SHARED,
   // Numbers.
   noNumber: (/** @type {string} */ text) => `“${text}” is no number. Type one such as 12.5.`,
   noInteger: "This has to be a whole number.",
@@ -133,12 +159,10 @@ export const FORM_TEXTS = {
   choose: "choose …",
   standard: (/** @type {string} */ value) => `default: ${value}`,
   notSet: "not set",
-  yes: "yes",
-  no: "no",
   unknownChoice: (/** @type {string} */ value) => `“${value}” is not among the choices.`,
   tooLong: (/** @type {number} */ most) => `This text is too long: at most ${counted(most, "character")}.`,
   largeText: (/** @type {number} */ length, /** @type {number} */ shown) =>
-    `${counted(length, "character")}: too many to edit here. The first ${shown.toLocaleString("en")} are shown.`,
+    `${counted(length, "character")}: too many to edit here. The first ${grouped(shown)} are shown.`,
   replaceText: "Empty this text",
   asJson: "Shown as JSON, because the value does not fit the fields of the form.",
   noJson: (/** @type {number} */ line, /** @type {number} */ column, /** @type {string} */ what) =>
@@ -168,9 +192,8 @@ export const FORM_TEXTS = {
   gridRow: "Row",
   addItem: (/** @type {string} */ label) => `Add ${label.toLowerCase()}`,
   page: (/** @type {number} */ first, /** @type {number} */ last, /** @type {number} */ count) =>
-    `${first}–${last} of ${count.toLocaleString("en")}`,
+    `${first}–${last} of ${grouped(count)}`,
   previous: "Previous",
-  next: "Next",
   mapName: "Name",
   mapValue: "Text",
   nameTwice: "Another entry has this name already. Choose another name.",
@@ -230,21 +253,19 @@ export const FORM_TEXTS = {
   abridged: (/** @type {number} */ kilobytes) =>
     `Shortened: the whole JSON has more than ${kilobytes} kB, and editing it here may be slow.`,
   editAnyway: "Edit anyway",
-  left: (/** @type {number} */ count) => `… ${count.toLocaleString("en")} more`,
+  left: (/** @type {number} */ count) => `… ${grouped(count)} more`,
 };
 
 /** Texts of the picture. */
 export const VIEW_TEXTS = {
-  noWebGL: "This browser cannot draw in three dimensions: it lacks WebGL 2.",
   kinds: /** @type {Record<string, string>} */ ({
     rapid: "Rapid", cut: "Cut", plunge: "Plunge", ramp: "Ramp", lead_in: "Lead-in", link: "Link",
-    lead_out: "Lead-out", dwell: "Dwell",
+    lead_out: "Lead-out", dwell: "Dwell", turn: "Turn of a rotary axis",
   }),
   feed: "Feed", feedUnit: "mm/min", noFeed: "Rapid or no feed told",
-  deviation: "Deviation", deviationUnit: "mm", noDeviation: "No deviation told",
   level: "Level", noLevel: "Without level",
   pass: "Pass", noPass: "Without pass",
-  left: "Left on the part", gouged: "Cut into the part",
+  left: "Left on the part", leftUnit: "mm", gouged: "Cut into the part",
   material: {
     noStock: "The material is not shown: the stock is unknown.",
     noTool: "The material is not shown: the tool is unknown.",
@@ -254,11 +275,10 @@ export const VIEW_TEXTS = {
   scale: (/** @type {string} */ grid, /** @type {string[]} */ size) =>
     `Grid ${grid} mm; size ${size.join(" × ")} mm`,
   keys: "Arrows turn, Shift and arrows move, + and - zoom, 1 to 7 are views, F shows all.",
-  noPicture: "The browser gave no picture.",
   nothing: "3D view: nothing to show.",
   shown: (/** @type {string[]} */ parts) => `3D view: ${parts.join("; ")}.`,
   path: (/** @type {number} */ n, /** @type {string[]} */ kinds) =>
-    `path of ${n.toLocaleString("en")} stretches (${kinds.join(", ").toLowerCase()})`,
+    `path of ${grouped(n)} stretches (${kinds.join(", ").toLowerCase()})`,
   part: "part",
   stock: (/** @type {string[]} */ size) => `stock ${size.join(" × ")} mm`,
   removal: "material as it is cut",

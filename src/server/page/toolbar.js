@@ -18,8 +18,12 @@ export class Toolbar {
     this.view = view;
     this.onchange = onchange;
     this.colors = el("select", { change: () => this.#color() });
-    const views = el("select", { "aria-label": TEXTS.picture, change: () => view.look(views.value) },
+    const views = el("select", { "aria-label": TEXTS.view, change: () => view.look(views.value) },
+      el("option", { value: "", disabled: true, hidden: true }, TEXTS.ownView),
       ...Object.entries(TEXTS.views).map(([name, text]) => new Option(text, name)));
+    views.value = "iso";
+    // Once the picture is turned by hand, each view can be chosen, the last one too.
+    view.onsteer = () => { views.value = ""; };
     const perspective = check(TEXTS.perspective, true, (isOn) => view.setProjection(isOn ? "perspective" : "orthographic"));
     this.shown = {
       part: check(TEXTS.show.part, true, (isOn) => view.setVisible("part", isOn)),
@@ -61,9 +65,9 @@ export class Toolbar {
 
 /** What the moves of a path differ in. @param {PathData | null} path @returns {ColorBy[]} */
 function colorings(path) {
-  const { strips = [], deviations = null } = path ?? {};
+  const strips = path?.strips ?? [];
   return [
-    "kind", "feed", ...(deviations === null ? [] : /** @type {const} */ (["deviation"])),
+    "kind", "feed",
     ...(strips.some(({ level }) => level !== null) ? /** @type {const} */ (["level"]) : []),
     ...(strips.length > 1 ? /** @type {const} */ (["pass"]) : []),
   ];
@@ -86,20 +90,17 @@ function check(text, isOn, onchange) {
  * @param {View} view
  */
 export function showLegend(host, view) {
-  host.replaceChildren(...view.legend().map((row) => legendRow(row, view, () => showLegend(host, view))));
+  host.replaceChildren(...view.legend().map((row) => legendRow(row, view)));
 }
 
-/** @param {LegendRow} row @param {View} view @param {() => void} onchange */
-function legendRow(row, view, onchange) {
-  const swatch = el("span", { class: row.dashed ? "swatch dashed" : "swatch" });
+/** @param {LegendRow} row @param {View} view */
+function legendRow(row, view) {
+  const swatch = el("span", { class: row.dashed ? "swatch dashed" : "swatch", hidden: row.colors.length === 0 });
   swatch.style.background = row.colors.length > 1 ? `linear-gradient(to right, ${row.colors.join(", ")})` : row.colors[0] ?? "";
   const range = row.from === null || row.to === null ? "" : ` ${digits(row.from)} – ${digits(row.to)} ${row.unit}`;
   const { key } = row;
   if (key === null) return el("p", {}, swatch, ` ${row.label}${range}`);
-  const { label, box } = check(`${row.label}${range}`, row.visible, (isOn) => {
-    view.setVisible(key, isOn);
-    onchange();
-  });
+  const { label, box } = check(`${row.label}${range}`, row.visible, (isOn) => view.setVisible(key, isOn));
   box.after(swatch);
   return label;
 }

@@ -111,6 +111,8 @@ async fn only_pages_of_configured_origins_may_call() {
         assert_eq!((refused.header(ALLOW_ORIGIN), refused.code().as_str()), ("", "origin_refused"));
         assert!(refused.text().contains(&format!("--cors-origin {origin}")), "{}", refused.text());
     }
+    let from_disk = allowed(&set, "null").await.text();
+    assert!(from_disk.contains("put the page on a server"), "{from_disk}");
     let problem = post(&app(&set), MILL, "{", &[("origin", mes)]).await;
     assert_eq!((problem.header(ALLOW_ORIGIN), problem.code().as_str()), (mes, "malformed_json"));
 }

@@ -1,7 +1,7 @@
 // The smallest body of each operation. The bodies must compile with the types that are generated from the
 // contract.
 
-import type { components, operations } from "./contract";
+import type { components, operations } from "./contract.js";
 
 type Body<Operation extends keyof operations> = operations[Operation] extends {
   requestBody: { content: { "application/json": infer Json } };

@@ -1,11 +1,16 @@
-"""Fetches JSON and NC text from the service at the given address, with the client generated from the contract."""
+"""Calls every operation of the service at the given address, with the client generated from the contract."""
 
+import io
 import sys
 
-from toolpathd_client import Client, models
-from toolpathd_client.api.curves import fit_arcs, interpolate_curve
-from toolpathd_client.api.programs import write_program
-from toolpathd_client.api.service import get_limits, list_dialects
+from toolpathd_client import Client, models, types
+from toolpathd_client.api.curves import fit_arcs, interpolate_curve, put_arcs
+from toolpathd_client.api.dnc import list_controls, send_program
+from toolpathd_client.api.five_axis import list_machines, smooth_path
+from toolpathd_client.api.operation import get_metrics, livez, readyz
+from toolpathd_client.api.pockets import plan_pocket
+from toolpathd_client.api.programs import read_program, verify_program, write_program
+from toolpathd_client.api.service import get_contract, get_limits, list_dialects
 from toolpathd_client.api.surfaces import drop_cutter, mill_surface, model_surface
 
 client = Client(base_url=sys.argv[1], raise_on_unexpected_status=True)
@@ -61,8 +66,43 @@ assert elements.report.deviation_max_mm <= 0.1, elements.report
 fit = models.FitRequest(polyline=[[0, 0], [10, 0], [20, 0]], tolerance_mm=0.01)
 assert fetched(fit_arcs, models.AnswerAnyFitReport, body=fit).report.n_lines == 1
 
+assert fetched(put_arcs, models.AnswerAnyFitReport, body=fit).report.n_lines == 1
+
+pocket = models.PocketRequest.from_dict(
+    {
+        "region": {"boundary": [[0, 0], [50, 0], [50, 30], [0, 30]]},
+        "floor_z_mm": -3,
+        "stepdown_max_mm": 3,
+        "stepover_mm": 3,
+        "tool": {"shape": "flat", "diameter_mm": 8},
+        "cutting": {"feed_mm_per_min": 800},
+    }
+)
+planned = fetched(plan_pocket, models.AnswerPocketReport, body=pocket, points=True)
+assert len(planned.report.levels) == 1 and len(planned.polyline) > 2, planned.report
+path = [{"tip": [0, 0, 0], "axis": [0, 0, 1]}, {"tip": [10, 0, 0], "axis": [0, 0, 1]}]
+smooth = {"path": path, "feed_mm_per_min": 800, "tolerance_mm": 0.01, "tolerance_deg": 0.5}
+smoothed = fetched(smooth_path, models.AnswerSmoothReport, body=models.SmoothRequest.from_dict(smooth))
+assert smoothed.report.within_tolerance, smoothed.report
+text = "G21 G90\nG0 X0 Y0 Z5\nG1 X10 F500\nM2\n"
+read = fetched(read_program, models.AnswerReadReport, body=models.ReadRequest(nc=text))
+# A program may be sent as it is, too.
+sent = types.File(payload=io.BytesIO(text.encode()))
+assert fetched(read_program, models.AnswerReadReport, body=sent).measures.cutting_length_mm == 10
+verify = {"nc": text, "start": [0, 0, 0], "tool": {"shape": "flat", "diameter_mm": 4}, "tolerance_mm": 0.01}
+verify["stock"] = {"kind": "box", "min": [0, -5, -9], "max": [10, 5, 1]}
+verdict = fetched(verify_program, models.AnswerVerifyReport, body=models.VerifyRequest.from_dict(verify))
+assert verdict.report.verdict.value in ("pass", "fail", "undecided"), verdict.report
+assert fetched(list_controls, models.DncTargets).targets == []
+refused = fetched(send_program, models.Problem, target="none", body=types.File(payload=io.BytesIO(b"M2")))
+assert refused.code == models.ProblemCode.NOT_FOUND, refused
+assert len(fetched(list_machines, models.Machines).machines) > 0
+assert fetched(get_contract, models.GetContractResponse200)["openapi"].startswith("3.1")
+for probe in [livez, readyz, get_metrics]:
+    assert fetched(probe, str), probe
+
 mill.tolerance_mm = -1
 problem = fetched(mill_surface, models.Problem, body=mill)
 assert problem.code == models.ProblemCode.INVALID_REQUEST, problem
 assert [error.pointer for error in problem.errors] == ["#/tolerance_mm"], problem
-print("Python: the client fetched JSON and NC text")
+print("Python: the client called every operation")

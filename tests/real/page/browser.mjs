@@ -5,7 +5,8 @@
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import {
-  accessible, agreement, cancelling, keyboard, pasting, pictures, randomEdits, steady, upright, wrongFields,
+  accessible, agreement, cancelling, failingExample, following, keyboard, oldAnswers, pasting, pictures, randomEdits, steady,
+  twoRuns, upright, wrongFields,
 } from "./checks.mjs";
 import { keepAnswers, kindsDrawn, missing } from "./pixels.mjs";
 
@@ -92,31 +93,45 @@ for (const path of operations) {
 }
 console.log(`${count} examples on the page`);
 
-/** The text of the file that the page saves; null where it offers none. */
+/** The bytes of the file that the page saves; null where it offers none. */
 async function saved() {
   if (await page.getAttribute("#download", "href") === null) return null;
   const press = () => document.querySelector("#download").click();
   const [file] = await Promise.all([page.waitForEvent("download"), page.evaluate(press)]);
-  return readFileSync(await file.path(), "latin1");
+  return readFileSync(await file.path());
+}
+
+/** The program that belongs to an example: of the answer, else of the request; null without any. */
+async function programOf(path, name) {
+  const { post } = contract.paths[path];
+  const example = post.requestBody.content["application/json"].examples[name].value;
+  if (post.responses["200"].content["text/x-gcode"] === undefined) return example.nc ? Buffer.from(example.nc) : null;
+  const response = await fetch(`${address}${path}?format=gcode`, {
+    method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(example),
+  });
+  if (!response.ok) fault(`${path} ${name}: curl gets status ${response.status}`);
+  return Buffer.from(await response.arrayBuffer());
 }
 
 /** The program on the page is that of the service, byte for byte. */
 async function compare(path, name) {
-  const text = await saved();
-  const { post } = contract.paths[path];
-  if (post.responses["200"].content["text/x-gcode"] === undefined) return;
-  const example = post.requestBody.content["application/json"].examples[name].value;
-  const response = await fetch(`${address}${path}?format=gcode`, {
-    method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(example),
-  });
-  const theirs = await response.text();
-  if (response.ok && text !== theirs) fault(`${path} ${name}: another program than curl gets`);
-  const shown = await page.textContent("#nc");
-  if (response.ok && theirs.split("\n").length < 3000 && shown !== theirs) fault(`${path} ${name}: another text in the page`);
+  const own = await saved();
+  const theirs = await programOf(path, name);
+  if (theirs === null || own === null) {
+    if (theirs !== own) fault(`${path} ${name}: ${own === null ? "no" : "a"} program is offered`);
+    return;
+  }
+  if (!own.equals(theirs)) fault(`${path} ${name}: another program than curl gets`);
+  const text = theirs.toString();
+  const isWhole = text.split("\n").length < 3000;
+  if (isWhole && await page.textContent("#nc") !== text) fault(`${path} ${name}: another text in the page`);
 }
 
 const bench = { page, address, fault, open, choose, run };
-const checks = [wrongFields, cancelling, agreement, randomEdits, accessible, steady, pasting, keyboard, upright];
+const checks = [
+  wrongFields, cancelling, twoRuns, failingExample, oldAnswers, following, agreement, randomEdits, accessible, steady, pasting,
+  keyboard, upright,
+];
 for (const check of only.length === 0 || only.includes("checks") ? checks : []) await check(bench);
 if (process.env.SHOTS) await pictures(bench, process.env.SHOTS);
 await browser.close();

@@ -73,16 +73,114 @@ export async function agreement({ page, fault, choose }) {
   if (after.stepover_mm !== 2.25) fault(`the JSON does not follow the form: ${after.stepover_mm}`);
 }
 
-/** axe finds nothing, in light and dark, wide and on a phone. */
-export async function accessible({ page, fault }) {
+/** axe finds nothing, in light and dark, wide and on a phone; on each tab, and after a refusal. */
+export async function accessible({ page, fault, choose, run }) {
+  await page.evaluate(axeText);
+  const tabs = await page.$$eval("[role=tab]", (all) => all.map(({ id }) => id));
   for (const [colorScheme, viewport] of [["light", { width: 1280, height: 800 }], ["dark", { width: 1280, height: 800 }],
     ["light", { width: 390, height: 844 }], ["dark", { width: 844, height: 390 }]]) {
     await page.emulateMedia({ colorScheme });
     await page.setViewportSize(viewport);
-    await page.evaluate(axeText);
-    const { violations } = await page.evaluate(() => globalThis.axe.run());
-    for (const { id, nodes } of violations) fault(`axe, ${colorScheme}, ${viewport.width}: ${id} at ${nodes[0].target}`);
+    const check = async (when) => {
+      const { violations } = await page.evaluate(() => globalThis.axe.run());
+      const place = `${colorScheme}, ${viewport.width}, ${when}`;
+      for (const { id, nodes } of violations) fault(`axe, ${place}: ${id} at ${nodes[0].target}`);
+    };
+    await choose("/v1/pockets/plan", "circle");
+    await run();
+    for (const tab of tabs) {
+      await page.click(`#${tab}`);
+      await check(tab);
+    }
+    await edit(page, (body) => { body.stepover_mm = -1; });
+    await run();
+    await check("after a refusal");
   }
+}
+
+/** Changes the request in the tab JSON. @param {(body: any) => void} change */
+async function edit(page, change) {
+  await page.click("#tab-json");
+  const body = JSON.parse(await page.inputValue("#json"));
+  change(body);
+  await page.fill("#json", JSON.stringify(body));
+}
+
+/** Of two runs at once the later one alone is told and shown. */
+export async function twoRuns({ page, fault, choose, run }) {
+  await choose("/v1/pockets/plan", "hundred-islands");
+  await page.click("#run");
+  await page.waitForTimeout(300);
+  await page.click("#run");
+  await page.waitForTimeout(300);
+  const status = await page.textContent("#status");
+  if (!status.startsWith("Running") || await page.isDisabled("#cancel")) fault(`a second run: ${status}`);
+  await choose("/v1/pockets/plan", "circle");
+  const end = await run();
+  await page.waitForTimeout(500);
+  const later = await page.textContent("#status");
+  if (!end.startsWith("Done") || later !== end) fault(`a third run: ${end}, then ${later}`);
+}
+
+/** An example that is not answered leaves an empty request of its operation, and is told. */
+export async function failingExample({ page, fault, choose, run }) {
+  await choose("/v1/pockets/plan", "circle");
+  // The console tells statuses; this one is expected there.
+  await page.route("**/page/examples/**", (route) => route.fulfill({ status: 422 }));
+  await choose("/v1/arcs/fit");
+  await page.unroute("**/page/examples/**");
+  const status = await page.textContent("#status");
+  if (!status.startsWith("The example")) fault(`an example without an answer: ${status}`);
+  if (await page.inputValue("#json") !== "{}") fault("an example without an answer leaves the request of another operation");
+  const refused = await run();
+  if (!refused.startsWith("Refused")) fault(`an empty request: ${refused}`);
+  await choose("/v1/arcs/fit", "contour");
+  const done = await run();
+  if (!done.startsWith("Done")) fault(`the example after one without an answer: ${done}`);
+}
+
+/** An answer is marked where the request is another one, and a text that is no JSON is neither run nor lost. */
+export async function oldAnswers({ page, fault, choose, run }) {
+  const marks = async (when, wanted) => {
+    for (const id of ["old-picture", "old-answer"]) {
+      if (await page.isVisible(`#${id}`) !== wanted) fault(`${when}: ${id} is ${wanted ? "hidden" : "shown"}`);
+    }
+  };
+  await choose("/v1/pockets/plan", "circle");
+  await run();
+  await marks("after a run", false);
+  await edit(page, (body) => { body.stepover_mm = 2.5; });
+  await marks("after an edit", true);
+  await run();
+  await marks("after the next run", false);
+  await page.fill("#json", "{");
+  const status = await run();
+  if (status.startsWith("Done")) fault("a text that is no JSON was run");
+  await page.click("#tab-form");
+  // The question whether to replace the text is answered with no.
+  await page.locator("#form .form-number-input:visible").first().fill("7");
+  if (await page.inputValue("#json") !== "{") fault("an edit in the form overwrites a text that is no JSON");
+  await choose("/v1/pockets/plan", "island");
+  await marks("after another example", true);
+}
+
+/** The time follows the chosen line, and the lit line the time. */
+export async function following({ page, fault, choose, run }) {
+  await choose("/v1/pockets/plan", "circle");
+  await run();
+  await page.click("#tab-program");
+  const time = () => page.$eval("#time", (slider) => slider.value / slider.max);
+  const lit = () => page.$eval(".nc-lit", (bar) => (bar.hidden ? "" : bar.style.transform));
+  await page.fill("#find-text", "G1 ");
+  await page.press("#find-text", "Enter");
+  const [share, line] = [await time(), await lit()];
+  if (!(share < 1)) fault("the time does not follow the chosen line");
+  await page.$eval("#time", (slider) => {
+    slider.value = slider.max * 0.6;
+    slider.dispatchEvent(new Event("input"));
+  });
+  const next = await lit();
+  if (line === "" || next === "" || next === line) fault(`the lit line does not follow the time: ${line}, then ${next}`);
 }
 
 /** Numbers from 0 to 1 that are the same in each run. @param {number} seed */

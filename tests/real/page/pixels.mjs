@@ -92,12 +92,12 @@ export function keepAnswers() {
  * @param {import("playwright-core").Page} page
  */
 export async function kindsDrawn(page) {
-  const lengths = await page.evaluate(lengthsOfKinds);
+  const lengths = await page.evaluate(lengthsOfKinds, KINDS.length);
   return lengths && lengths.moves.flatMap((length, kind) => (length > SEEN * lengths.size ? [kind] : []));
 }
 
-/** The lengths of all moves of each kind, and the size of the path. In the page. */
-async function lengthsOfKinds() {
+/** The lengths of all moves of each kind, and the size of the path. In the page. @param {number} nKinds */
+async function lengthsOfKinds(nKinds) {
   const glb = /"glb": ?"([^"]*)"/.exec(await globalThis.answer)?.[1];
   if (glb === undefined) return null;
   const { bytesOf, readModel } = await import("/page/glb.js");
@@ -106,12 +106,9 @@ async function lengthsOfKinds() {
   const { positions, kinds, strips } = path;
   // Nothing is drawn between the end of a strip and the start of the next.
   const starts = new Set(strips.map(({ first }) => first));
-  const moves = Array.from({ length: 8 }, () => 0);
+  const moves = Array.from({ length: nKinds }, () => 0);
   const min = [Infinity, Infinity, Infinity];
   const max = [-Infinity, -Infinity, -Infinity];
-  // What lies on an axis of the part is covered by the cross that is drawn there.
-  const isZero = (k, axis) => positions[3 * k + axis] === 0 && positions[3 * k - 3 + axis] === 0;
-  const isOnAxis = (k) => [0, 1, 2].filter((axis) => isZero(k, axis)).length > 1;
   for (let k = 0; k < kinds.length; k++) {
     let square = 0;
     for (const axis of [0, 1, 2]) {
@@ -120,7 +117,7 @@ async function lengthsOfKinds() {
       max[axis] = Math.max(max[axis], x);
       if (!starts.has(k)) square += (x - positions[3 * k - 3 + axis]) ** 2;
     }
-    if (!isOnAxis(k)) moves[kinds[k]] += Math.sqrt(square);
+    moves[kinds[k]] += Math.sqrt(square);
   }
   return { moves, size: Math.hypot(...max.map((x, axis) => x - min[axis])) };
 }
@@ -170,7 +167,7 @@ async function absent(page, data, kinds) {
 /** Turns off all that is shown but what is kept. Returns the names of what was turned off. In the page. @param {string[]} kept */
 function showOnly(kept) {
   const names = [];
-  // The legend is made anew with each change.
+  // The legend is made anew when the material is shown or hidden.
   for (;;) {
     const boxes = [...document.querySelectorAll("#legend input, #tools input")];
     const shown = boxes.find((box) => box.checked && !box.disabled && !kept.includes(box.parentElement.textContent.trim()));

@@ -15,7 +15,7 @@ const BESIDE_MM: f64 = 2e-6;
 /// An entry that is nearer to the place is at the place, mm: mirroring and rounding move it by less.
 const SAME_MM: f64 = 1e-6;
 
-/// Refuses a place at which the cutter can come down on no level.
+/// Refuses a place that is outside on all levels, or that has no room for an entry on any.
 ///
 /// # Errors
 /// When the place is outside on all levels, or has room for a helix on none and the cutter may not go

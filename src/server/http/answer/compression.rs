@@ -31,7 +31,7 @@ pub fn gzip(body: &[u8]) -> std::io::Result<Vec<u8>> {
     compressed(body, Compression::fast())
 }
 
-/// Compresses what is sent often, as far as possible.
+/// Compresses, as far as possible, what is compressed once and sent often.
 pub fn gzip_once(body: &[u8]) -> std::io::Result<Vec<u8>> {
     compressed(body, Compression::best())
 }

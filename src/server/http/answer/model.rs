@@ -6,16 +6,35 @@ use super::{Cut, Outcome, Product, sheet};
 use crate::http::dto::setup::Setup;
 use crate::http::error::ApiError;
 use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::facets::Facets;
 use toolpathd_core::geometry::mesh::Mesh;
+use toolpathd_core::geometry::surface::any_surface::AnySurface;
 use toolpathd_plot::gltf::{CHORD_MM, Content, Stock, Triangles, glb};
 use toolpathd_plot::stl::stl;
 use toolpathd_post::PassNote;
+
+/// How far a surface and the walls of a pocket may be from the triangles of the part, mm, where the cells
+/// suffice.
+pub const PART_CHORD_MM: f64 = 0.01;
+
+/// The most cells of a surface in each direction.
+const MOST_CELLS: usize = 300;
 
 /// The bodies of an answer beside cutter and path.
 #[derive(Default)]
 pub struct Solids {
     pub part: Option<Triangles>,
+    /// How far the part may be from its triangles, mm; none where that is not known.
+    pub part_chord_mm: Option<f64>,
     pub stock: Option<Stock>,
+}
+
+impl Solids {
+    /// A surface as a part.
+    pub fn of_surface(surface: &AnySurface) -> Self {
+        let Facets { mesh, chord_mm } = surface.facets(PART_CHORD_MM, MOST_CELLS);
+        Self { part: Some(triangles(&mesh)), part_chord_mm: chord_mm, stock: None }
+    }
 }
 
 /// The file of an outcome. `lines` has for each move the line of the program that ends it, and nothing
@@ -29,7 +48,7 @@ pub fn file<R, P: Product>(
     budget: &Budget,
 ) -> Result<Vec<u8>, ApiError> {
     let cut = outcome.product.cut();
-    let Solids { part, stock } = solids(outcome, budget)?;
+    let Solids { part, part_chord_mm, stock } = outcome.product.solids(budget)?;
     let names: Vec<(usize, String)> = outcome.product.pass_notes().iter().map(name).collect();
     let tool = cut.and_then(|Cut { setup: Setup { tool, body, .. }, .. }| Some((tool.as_ref()?, body)));
     Ok(glb(&Content {
@@ -39,6 +58,7 @@ pub fn file<R, P: Product>(
         lines,
         names: &names,
         part: part.as_ref(),
+        part_chord_mm,
         stock: stock.as_ref(),
         tool,
         diagrams: outcome.product.diagrams(),
@@ -51,14 +71,7 @@ pub fn file<R, P: Product>(
 /// # Errors
 /// The budget's stop.
 pub fn triangles_file<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<Vec<u8>, ApiError> {
-    Ok(stl(&solids(outcome, budget)?.part.unwrap_or_default()))
-}
-
-/// The bodies of an outcome. The surface of its drawing is a part.
-fn solids<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<Solids, ApiError> {
-    let Solids { part, stock } = outcome.product.solids(budget)?;
-    let part = part.or_else(|| (outcome.drawing)().relief.as_ref().map(triangles));
-    Ok(Solids { part, stock })
+    Ok(stl(&outcome.product.solids(budget)?.part.unwrap_or_default()))
 }
 
 /// What is told of the passes from one on.
@@ -69,10 +82,21 @@ fn name(note: &PassNote) -> (usize, String) {
 
 fn triangles(mesh: &Mesh) -> Triangles {
     let index = |k: usize| u32::try_from(k).unwrap_or(u32::MAX);
+    let normals = mesh.normals();
     let told = |normal: Vector3<f64>| if normal == Vector3::zeros() { Vector3::z() } else { normal };
     Triangles {
         points: mesh.points().to_vec(),
-        normals: mesh.normals().into_iter().map(told).collect(),
-        triangles: mesh.triangles().map(|corners| corners.map(index)).collect(),
+        triangles: mesh
+            .triangles()
+            .map(|corners| turned_outward(mesh, corners, &normals).map(index))
+            .collect(),
+        normals: normals.into_iter().map(told).collect(),
     }
+}
+
+/// The corners of a triangle, counterclockwise seen from the side of its normals.
+fn turned_outward(mesh: &Mesh, [a, b, c]: [usize; 3], normals: &[Vector3<f64>]) -> [usize; 3] {
+    let [p, q, r] = [a, b, c].map(|k| mesh.points()[k]);
+    let outward = normals[a] + normals[b] + normals[c];
+    if (q - p).cross(&(r - p)).dot(&outward) < 0.0 { [a, c, b] } else { [a, b, c] }
 }

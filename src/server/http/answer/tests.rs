@@ -105,7 +105,7 @@ async fn the_answer_has_the_members_of_the_contract() {
 
 #[tokio::test]
 async fn absent_and_unwanted_members_are_left_out() {
-    let surface = json_of(outcome(()), None).await;
+    let surface = json_of(outcome(OnSurface(Box::new(|| None))), None).await;
     let members: Vec<_> = surface.as_object().expect("an object").keys().cloned().collect();
     assert_eq!(members, ["engine_version", "meta", "report", "warnings"]);
     assert_eq!(json_of(outcome(cut()), Some(false)).await.get("toolpath"), None);
@@ -121,7 +121,9 @@ async fn a_program_is_written_once_and_says_what_the_caller_and_the_operation_sa
     assert!(text.contains("PART_ID 7") && text.contains("PROVED"), "{text}");
     let written = shown(outcome(written_cut()), Representation::Gcode, None).await;
     assert_eq!(written.expect("NC text").1, "M2\n");
-    let error = shown(outcome(()), Representation::Gcode, None).await.expect_err("no toolpath");
+    let error = shown(outcome(OnSurface(Box::new(|| None))), Representation::Gcode, None)
+        .await
+        .expect_err("no toolpath");
     assert_eq!(error.code(), Code::InternalError);
 }
 
@@ -132,10 +134,10 @@ async fn a_picture_has_the_part_id_as_its_title() {
     assert_eq!(content_type, "image/svg+xml; charset=utf-8");
     assert!(text.contains("7 &lt;b&gt;") && text.contains("PROVED"), "{text}");
     assert!(text.contains("ball, diameter 6 mm"), "{text}");
-    let page = shown(outcome(()), Representation::Html, None).await;
+    let page = shown(outcome(OnSurface(Box::new(|| None))), Representation::Html, None).await;
     let (content_type, text) = page.expect("a page");
     assert_eq!(content_type, "text/html; charset=utf-8");
     assert!(text.contains("<title>7 &lt;b&gt;</title>") && text.contains("<svg"), "{text}");
     assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(cut()) }), "die");
-    assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(()) }), "Surface");
+    assert_eq!(sheet::title(&Outcome { meta: None, ..outcome(OnSurface(Box::new(|| None))) }), "Surface");
 }

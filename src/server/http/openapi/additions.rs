@@ -5,7 +5,7 @@ use axum::http::StatusCode;
 use serde_json::{Map, Value, json};
 
 use crate::http::error::PROBLEM_JSON;
-use crate::http::request::representation::{EVENTS, GLB, JSON, Representation};
+use crate::http::request::representation::{EVENTS, GLB, JSON, Representation, STL};
 
 const EVENTS_DESCRIPTION: &str = "Events `progress` while the computation runs, with `Progress` as data: one event at the \
     beginning of every stage, and at most ten events a second within a stage. The last event is `result`, with the JSON answer on \
@@ -84,6 +84,9 @@ pub fn add(document: &mut Value) {
             }
             add_problems(path, operation);
             add_forms(operation);
+            let sent = operation.pointer_mut("/requestBody/content/text~1x-gcode/schema");
+            // Bytes, because programs may hold characters of any code page: some generators cannot send text.
+            sent.into_iter().for_each(|schema| schema["format"] = "binary".into());
         }
     }
 }
@@ -123,7 +126,11 @@ fn add_forms(operation: &mut Value) {
     let forms = names.iter().filter_map(|name| Representation::named(name.as_str()?));
     for media_type in forms.flat_map(Representation::media_types).filter(|media_type| **media_type != JSON) {
         // A file of bytes has no schema in JSON.
-        let schema = if *media_type == GLB { json!({}) } else { json!({ "schema": { "type": "string" } }) };
+        let schema = if [GLB, STL].contains(media_type) {
+            json!({})
+        } else {
+            json!({ "schema": { "type": "string" } })
+        };
         answer["content"][media_type] = schema;
     }
     answer["content"][EVENTS] = json!({ "schema": { "type": "string", "description": EVENTS_DESCRIPTION } });
@@ -138,7 +145,7 @@ fn add_forms(operation: &mut Value) {
 }
 
 /// Tidies all descriptions: the description of a member that may be null moves beside the member's
-/// alternatives, and every paragraph becomes one line.
+/// alternatives, defaults move into descriptions, and every paragraph becomes one line.
 pub fn tidy(value: &mut Value) {
     match value {
         Value::Object(members) => {
@@ -147,6 +154,9 @@ pub fn tidy(value: &mut Value) {
                 let paragraphs = text.split("\n\n").map(|paragraph| paragraph.replace('\n', " "));
                 *text = paragraphs.collect::<Vec<_>>().join("\n\n");
             }
+            if let Some(Value::Object(properties)) = members.get_mut("properties") {
+                properties.values_mut().for_each(tell_default);
+            }
             members
                 .iter_mut()
                 .filter(|(name, _)| !name.starts_with("example"))
@@ -154,6 +164,19 @@ pub fn tidy(value: &mut Value) {
         }
         Value::Array(items) => items.iter_mut().for_each(tidy),
         _ => {}
+    }
+}
+
+/// Moves the default of a member into its description. Generators of clients take a member with a default for
+/// one that is always there, in requests too.
+fn tell_default(member: &mut Value) {
+    let Some(member) = member.as_object_mut() else { return };
+    let Some(default) = member.remove("default") else { return };
+    let text = member.get("description").and_then(Value::as_str).unwrap_or_default();
+    if !text.contains("Default") {
+        let default = default.as_str().map_or_else(|| default.to_string(), str::to_owned);
+        let told = format!("{text} Default: `{default}`.");
+        member.insert("description".to_owned(), told.trim_start().into());
     }
 }
 

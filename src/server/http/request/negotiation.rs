@@ -149,7 +149,11 @@ pub struct Form {
 impl Form {
     /// Whether the answer is, or holds, the binary glTF file.
     pub fn wants_model(&self) -> bool {
-        self.with_glb || self.representation == Representation::Glb
+        match self.representation {
+            Representation::Json | Representation::Events => self.with_glb,
+            Representation::Glb => true,
+            Representation::Gcode | Representation::Svg | Representation::Html | Representation::Stl => false,
+        }
     }
 }
 

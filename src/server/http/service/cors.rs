@@ -64,9 +64,13 @@ pub async fn refuse_unlisted(
 ) -> Response {
     match unlisted(&origins, &request) {
         Some(origin) => {
-            let detail = format!(
-                "pages of {origin} may not call this service: start it with `--cors-origin {origin}`, or call it from pages of its own address"
-            );
+            let is_listable = origin.starts_with("http://") || origin.starts_with("https://");
+            let advice = if is_listable {
+                format!("start it with `--cors-origin {origin}`, or call it from pages of its own address")
+            } else {
+                "put the page on a server, and list its origin in `--cors-origin`".to_owned()
+            };
+            let detail = format!("pages of {origin} may not call this service: {advice}");
             envelope::answer_of(ApiError::new(Code::OriginRefused, detail), &id)
         }
         None => next.run(request).await,

@@ -57,6 +57,7 @@ pub async fn smooth_path(
             Representation::Svg => wanted.query.shows_motion(),
             representation => representation == Representation::Html || wanted.form.wants_model(),
         },
+        model: wanted.form.wants_model(),
     };
     answer(computing, wanted, body, move |job, budget| smooth(job, shown, budget)).await
 }
@@ -67,6 +68,7 @@ struct Shown {
     samples: bool,
     program: bool,
     diagrams: bool,
+    model: bool,
 }
 
 /// The toolpath and the motion.
@@ -104,8 +106,8 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Repor
     let SmoothJob { mut job, setup, cutting, has_program, meta, text } = job;
     job.wants_samples = shown.samples;
     let states_positions = job.in_step.is_some();
-    // Only a program needs moves that are so short.
-    job.in_step = job.in_step.filter(|_| shown.program);
+    // Only a program needs moves that are so short, and a model tells the lines of its program.
+    job.in_step = job.in_step.filter(|_| shown.program || shown.model && has_program);
     let plan = five_axis::plan(&job, budget)?;
     let diagrams = if shown.diagrams { diagrams(&job, &plan, budget)? } else { Vec::new() };
     let Plan { report, samples, period_s: _, toolpath, warnings } = plan;

@@ -7,7 +7,7 @@ use axum::response::Response;
 use nalgebra::{Point2, Point3};
 
 use crate::config::Limits;
-use crate::http::answer::model::Solids;
+use crate::http::answer::model::{PART_CHORD_MM, Solids};
 use crate::http::answer::{Cut, Outcome, Product, answer};
 use crate::http::app::App;
 use crate::http::decode::{SentJob, job};
@@ -45,9 +45,6 @@ const MOST_EDGES: usize = 12;
 
 /// Chords that stand for an arc of an outline in a picture.
 const CHORDS: usize = 24;
-
-/// The chord of round walls in three dimensions, mm.
-const WALL_CHORD_MM: f64 = 0.01;
 
 /// The answer in JSON.
 type VerifyAnswer = Answer<VerifyReport, VerifyMembers>;
@@ -122,7 +119,7 @@ impl Product for Verified {
     fn solids(&self, budget: &Budget) -> Result<Solids, ApiError> {
         let stock = self.stock.as_ref().map(|raw| block(raw, budget)).transpose()?;
         let told = |triangles| Stock { triangles, is_assumed: false };
-        Ok(Solids { part: None, stock: stock.flatten().map(told) })
+        Ok(Solids { stock: stock.flatten().map(told), ..Solids::default() })
     }
 
     fn members(self, _: Option<String>, form: &Form) -> VerifyMembers {
@@ -219,7 +216,7 @@ fn verified(job: Verification, budget: &Budget) -> Result<Outcome<VerifyReport, 
 /// The triangles of a raw part; none where its outlines cannot be drawn.
 fn block(raw: &Raw, budget: &Budget) -> Result<Option<Triangles>, ApiError> {
     let (outlines, bottom_z_mm, top_z_mm) = raw.outlines();
-    let slab = |region| solid::triangles(&[Slab { top_z_mm, bottom_z_mm, region }], WALL_CHORD_MM, budget);
+    let slab = |region| solid::triangles(&[Slab { top_z_mm, bottom_z_mm, region }], PART_CHORD_MM, budget);
     let made = outlines.region(budget).and_then(|region| Ok(slab(region)?));
     match made {
         Ok(triangles) => Ok(Some(triangles)),

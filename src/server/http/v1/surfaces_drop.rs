@@ -1,10 +1,12 @@
 //! `POST /v1/surfaces/drop`: lowers a cutter onto a surface at many places. Answers, for each place, the
 //! cutter location at which the cutter first touches the surface.
 
+use std::sync::Arc;
+
 use axum::extract::State;
 use axum::response::Response;
 
-use crate::http::answer::{Computing, Outcome, answer};
+use crate::http::answer::{Computing, OnSurface, Outcome, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::dropping::{DropJob, DropRequest};
 use crate::http::error::ApiError;
@@ -34,15 +36,16 @@ pub async fn drop_cutter(
     answer(computing, wanted, body, locate).await
 }
 
-fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<Report, ()>, ApiError> {
+fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<Report, OnSurface>, ApiError> {
     let DropJob { job, meta } = job;
     let locations = cutter_location::locate(&job, budget)?;
-    let surface = job.surface;
+    let surface = Arc::new(job.surface);
+    let shown = Arc::clone(&surface);
     Ok(Outcome {
         meta,
         warnings: Vec::new(),
         report: Report::new(&locations),
-        product: (),
+        product: OnSurface(Box::new(move || shown.surface().ok())),
         drawing: Box::new(move || Drawing::of_surface(sketched(&surface))),
     })
 }

@@ -1,6 +1,8 @@
 //! `POST /v1/surfaces/mill`: plans the milling of a surface, and answers a toolpath, an NC program or a
 //! picture.
 
+use std::sync::Arc;
+
 use axum::extract::State;
 use axum::response::Response;
 
@@ -48,6 +50,7 @@ pub async fn mill_surface(
 struct Milled {
     cut: Cut,
     blank: Option<Blank>,
+    surface: Arc<Source>,
 }
 
 impl Product for Milled {
@@ -59,12 +62,13 @@ impl Product for Milled {
         Some(&self.cut)
     }
 
-    /// The part is the drawn surface. A request tells the stock by its height over the surface.
+    /// A request tells the stock by its height over the surface, so its extent is assumed.
     fn solids(&self, _: &Budget) -> Result<Solids, ApiError> {
         let stock = self
             .blank
             .map(|Blank { low, high }| Stock { triangles: solid::block(low, high), is_assumed: true });
-        Ok(Solids { part: None, stock })
+        let part = self.surface.surface().map(|surface| Solids::of_surface(&surface)).unwrap_or_default();
+        Ok(Solids { stock, ..part })
     }
 
     fn members(self, written: Option<String>, form: &Form) -> PathMembers {
@@ -86,15 +90,18 @@ fn mill(
         let advice = "rough the block first, and send `stock` of the kind `on_surface`";
         setup.check_depths(&depths(&job, &toolpath, budget)?, ("/stock", advice))?;
     }
+    let surface = Arc::new(job.surface);
+    let of_drawing = Arc::clone(&surface);
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
         product: Milled {
             cut: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
             blank,
+            surface,
         },
         report,
-        drawing: Box::new(move || drawing(&job.surface)),
+        drawing: Box::new(move || drawing(&of_drawing)),
     })
 }
 

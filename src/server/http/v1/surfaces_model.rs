@@ -3,7 +3,7 @@
 use axum::extract::State;
 use axum::response::Response;
 
-use crate::http::answer::{Computing, Outcome, answer};
+use crate::http::answer::{Computing, OnSurface, Outcome, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::modelling::{ModelJob, ModelReport, ModelRequest};
 use crate::http::error::ApiError;
@@ -32,11 +32,12 @@ pub async fn model_surface(
     answer(computing, wanted, body, model).await
 }
 
-fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport, ()>, ApiError> {
+fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport, OnSurface>, ApiError> {
     let ModelJob { job, with_patches, meta } = job;
     let model = surface_model::model(&job, budget)?;
     // The picture shows the wires of the request, or a few curves where the request asks for no wires.
     let (surface, wires) = (model.surface.clone(), model.wires.clone());
+    let shown = surface.clone();
     let drawing = move || {
         let wires = wires.clone().unwrap_or_else(|| sketch(&surface));
         Drawing::of_relief(&surface, wires)
@@ -45,7 +46,7 @@ fn model(job: ModelJob, budget: &Budget) -> Result<Outcome<ModelReport, ()>, Api
         meta,
         warnings: model.warnings.iter().map(Warning::from).collect(),
         report: ModelReport::new(model, with_patches),
-        product: (),
+        product: OnSurface(Box::new(move || Some(shown.clone()))),
         drawing: Box::new(drawing),
     })
 }

@@ -50,7 +50,7 @@ export class Chart {
     this.drawing = svg("svg", { height: HEIGHT, "aria-hidden": "true" });
     this.value = el("span", { class: "number" });
     this.area = el("div", {
-      class: "chart-area", role: "slider", tabindex: 0, "aria-valuemin": 0, "aria-valuemax": end,
+      class: "chart-area", role: "slider", tabindex: 0, "aria-valuemin": 0, "aria-valuemax": end, "aria-valuenow": 0,
       "aria-label": TEXTS.charts.label(this.title, shortDigits(low), shortDigits(high)),
     }, this.drawing);
     this.element = el("div", { class: "chart" }, el("p", {}, el("span", {}, this.title), this.value), this.area);

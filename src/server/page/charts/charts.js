@@ -1,7 +1,8 @@
-// The diagrams of an answer: quantities over the time of the program, all with the same cursor.
+// The diagrams of an answer: quantities over time, in groups that share a clock.
 
 /** @import { PathData } from "../view/types.js" */
 /** @import { Course, Diagram } from "./course.js" */
+/** @typedef {{ name: string, unit: string, before: Course | null, after: Course | null }} Content  of a diagram */
 
 import { el } from "../dom.js";
 import { unitInWords } from "../names.js";
@@ -10,24 +11,48 @@ import { Chart } from "./chart.js";
 import { courseOf, rangeOf } from "./course.js";
 
 export class Charts {
-  /** @param {(seconds: number) => void} onseek  when a diagram asks for another time */
+  /** @param {(seconds: number) => void} onseek  when a diagram of the path asks for another time of the program */
   constructor(onseek) {
+    this.program = new Group(TEXTS.charts.title, "", onseek);
+    // The service tells the motion alone, so that these times are not those of the program.
+    this.motion = new Group(TEXTS.charts.motionTitle, TEXTS.charts.motion, (seconds) => this.motion.setTime(seconds));
+    this.element = el("div", {}, this.motion.element, this.program.element);
+  }
+
+  /** Shows the diagrams of an answer. @param {PathData | null} path @param {Diagram[]} diagrams */
+  show(path, diagrams) {
+    this.program.show(path === null ? [] : ofPath(path));
+    this.motion.show(diagrams.map(ofDiagram));
+    this.motion.setTime(0);
+  }
+
+  /** Puts the cursors of the path's diagrams at a time of the program. @param {number} seconds */
+  setTime(seconds) {
+    this.program.setTime(seconds);
+  }
+}
+
+/** Diagrams with the same time, and the same cursor. */
+class Group {
+  /**
+   * @param {string} title @param {string} note  may be empty
+   * @param {(seconds: number) => void} onseek  when a diagram asks for another time
+   */
+  constructor(title, note, onseek) {
     this.onseek = onseek;
     /** @type {Chart[]} */
     this.charts = [];
     this.width = 0;
     this.seconds = 0;
     this.host = el("div", {});
-    this.element = el("details", { class: "charts", open: true, hidden: true }, el("summary", {}, TEXTS.charts.title), this.host);
+    this.element = el("details", { class: "charts", open: true, hidden: true }, el("summary", {}, title),
+      ...(note === "" ? [] : [el("p", { class: "chart-legend" }, note)]), this.host);
     new ResizeObserver(() => this.#resize()).observe(this.host);
   }
 
-  /** Shows the diagrams of an answer. @param {PathData | null} path @param {Diagram[]} diagrams */
-  show(path, diagrams) {
-    const told = diagrams.map(ofDiagram);
-    // What the service tells counts more than what the moves tell of the same.
-    const own = (path === null ? [] : ofPath(path)).filter(({ name }) => !told.some((one) => one.name === name));
-    const contents = [...told, ...own].filter(({ before, after }) => before !== null || after !== null);
+  /** @param {Content[]} told */
+  show(told) {
+    const contents = told.filter(({ before, after }) => before !== null || after !== null);
     const courses = contents.flatMap(({ before, after }) => [before, after]).filter((course) => course !== null);
     const end = Math.max(0, ...courses.map(({ times }) => times.at(-1) ?? 0));
     this.charts = end > 0 ? contents.map((content) => new Chart(content, end, this.onseek)) : [];
@@ -67,14 +92,13 @@ function legend() {
 
 /** What the path itself tells over time. @param {PathData} path */
 function ofPath(path) {
-  const { times, feeds, positions, deviations } = path;
-  const { feed, height, deviation } = TEXTS.charts;
+  const { times, feeds, positions } = path;
+  const { feed, height } = TEXTS.charts;
   const course = (/** @type {(k: number) => number} */ value, isStepped = false) => known({ times, value, isStepped });
   return [
     // Rapids and rests have no feed: the line has gaps.
     { ...feed, before: null, after: course((k) => feeds[k] || NaN, true) },
     { ...height, before: null, after: course((k) => positions[3 * k + 2] ?? NaN) },
-    { ...deviation, before: null, after: deviations && course((k) => deviations[k] ?? NaN) },
   ];
 }
 

@@ -11,7 +11,8 @@ import { FORM_TEXTS as TEXTS } from "../texts.js";
  * @property {HTMLElement} element
  * @property {(value: unknown) => void} update  shows another value; what has the focus stays
  * @property {(path: Path) => Place} reveal  opens what hides the place, and answers the nearest control
- * @property {(text: string, path: Path) => string} mark  shows an error; answers the id of the input
+ * @property {(text: string, path: Path) => string} mark  shows an error at the place, once it is revealed; answers the
+ *   id of the input
  * @property {() => void} clear  takes all errors away
  * @property {(path: Path) => void} focus
  */

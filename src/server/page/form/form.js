@@ -1,10 +1,12 @@
 // The form of a request: made from the contract, changed in place, with errors at the fields that they name.
-import { el, rich } from "../dom.js";
+import { el } from "../dom.js";
 import { fieldOf } from "./field.js";
 import { JsonControl } from "./json.js";
-import { ListControl, MapControl } from "./list.js";
+import { ListControl } from "./list.js";
+import { MapControl } from "./map.js";
 import { ObjectControl, Slot, VariantControl } from "./object.js";
 import { ChoiceControl, InlineNumbers, NumberControl, TextControl } from "./scalars.js";
+import { placeName, Summary } from "./summary.js";
 import { TableControl } from "./table.js";
 import { FORM_TEXTS as TEXTS } from "../texts.js";
 import { isInline } from "./tree.js";
@@ -18,7 +20,7 @@ import { pathOf } from "./value.js";
 /** @typedef {{pointer: string, code?: string, detail: string}} FieldError  as the service answers it */
 
 /** Of more errors, the rest is in the answer only. */
-const ERRORS = 100;
+const MOST_ERRORS = 100;
 
 const CONTROLS = {
   number: NumberControl, integer: NumberControl, text: TextControl, choice: ChoiceControl,
@@ -43,29 +45,32 @@ export class RequestForm {
     this.root = null;
     /** @type {unknown} */
     this.shown = undefined;
+    /** @type {Field | null} of the request */
+    this.field = null;
     this.ids = 0;
     /** @type {import("./pastebox.js").PasteBox[]} */
     this.boxes = [];
-    this.summary = el("div", { class: "form-errors", role: "alert", hidden: true });
+    this.summary = new Summary();
     this.body = el("div", { class: "form" });
-    host.replaceChildren(this.summary, this.body);
+    host.replaceChildren(this.summary.element, this.body);
   }
 
   /**
-   * Shows the request of an operation. The fields of the operation that is shown already are kept.
+   * Shows the request of an operation, without errors: they belong to the request before. The fields of the operation
+   * that is shown already are kept.
    * @param {Operation} operation
    * @param {unknown} value
    */
   show(operation, value) {
+    this.clearErrors();
     this.shown = value;
     if (this.root && operation === this.operation) {
       this.root.update(value);
       return;
     }
-    this.operation = operation;
+    this.operation = null;
     this.boxes = [];
-    this.clearErrors();
-    const field = fieldOf(this.contract.resolve, operation.schema, "", true, TEXTS.wholeRequest);
+    const field = this.field = fieldOf(this.contract.resolve, operation.schema, "", true, TEXTS.wholeRequest);
     /** @type {Context} */
     const context = {
       id: () => `f${(this.ids += 1)}`,
@@ -73,9 +78,12 @@ export class RequestForm {
       make: (inner, part, emit) => new (controlOf(inner))(context, inner, part, emit),
     };
     this.root = new Slot(context, field, value, (next) => {
+      this.summary.follow(this.shown, next);
       this.shown = next;
       this.onchange(next);
     });
+    // A value that breaks a control leaves the form without an operation, so that the next one is shown anew.
+    this.operation = operation;
     this.body.replaceChildren(this.root.element);
   }
 
@@ -95,7 +103,9 @@ export class RequestForm {
    * @returns {{label: string, columns: string[], note: string, show: () => void} | null}  null where no table takes them
    */
   takePoints(text) {
+    // Fields that are gone leave their boxes behind.
     const boxes = this.boxes.filter(({ element }) => this.body.contains(element));
+    this.boxes.splice(0, Infinity, ...boxes);
     const box = boxes.find((one) => one.fits(text));
     if (!box?.take(text)) return null;
     const show = () => box.element.scrollIntoView({ block: "center" });
@@ -114,28 +124,25 @@ export class RequestForm {
    */
   setErrors(errors) {
     this.clearErrors();
-    const { root } = this;
-    if (!root || errors.length === 0) return;
-    const items = errors.slice(0, ERRORS).map(({ pointer, detail }) => {
-      const { control, path } = root.reveal(pathOf(pointer));
-      const id = control.mark(detail, path);
+    const { root, field } = this;
+    if (!root || !field) return;
+    const lines = errors.slice(0, MOST_ERRORS).map(({ pointer, detail }) => {
+      const path = pathOf(pointer);
+      root.reveal(path);
       const focus = () => {
-        const again = root.reveal(pathOf(pointer));
-        again.control.focus(again.path);
+        const place = root.reveal(path);
+        place.control.focus(place.path);
       };
-      return { focus, element: errorLine(pointer, detail, id, focus) };
+      return { path, name: placeName(field, this.shown, path), detail, id: root.mark(detail, path), focus };
     });
-    this.summary.replaceChildren(el("p", {}, TEXTS.errors(errors.length)),
-      el("ul", {}, ...items.map(({ element }) => element)));
-    this.summary.hidden = false;
-    items[0]?.focus();
+    this.summary.show(lines);
+    lines[0]?.focus();
   }
 
   /** Takes all errors of the service away. */
   clearErrors() {
     this.root?.clear();
-    this.summary.hidden = true;
-    this.summary.replaceChildren();
+    this.summary.show([]);
   }
 }
 
@@ -161,20 +168,4 @@ function needsTable(field, depth) {
 /** @param {Field} field */
 function controlOf(field) {
   return isInline(field) ? InlineNumbers : CONTROLS[field.kind];
-}
-
-/**
- * @param {string} pointer
- * @param {string} detail
- * @param {string} id  of the field
- * @param {() => void} focus
- * @returns {HTMLLIElement}
- */
-function errorLine(pointer, detail, id, focus) {
-  const press = (/** @type {Event} */ event) => {
-    event.preventDefault();
-    focus();
-  };
-  const name = pointer.replace(/^#?\/?/, "") || TEXTS.wholeRequest;
-  return el("li", {}, el("a", { href: `#${id}`, click: press }, el("code", {}, name)), ": ", ...rich(detail));
 }

@@ -30,7 +30,7 @@ export class JsonText {
     this.edit = button(TEXTS.editAnyway, () => this.#showWhole());
     this.edit.hidden = true;
     this.error = el("p", { class: "form-error", role: "status", hidden: true });
-    this.error.id = `${textarea.id || "json"}-error`;
+    this.error.id = `${textarea.id || "json"}-problem`;
     textarea.spellcheck = false;
     const others = textarea.getAttribute("aria-describedby") ?? "";
     textarea.setAttribute("aria-describedby", `${this.error.id} ${others}`.trim());
@@ -53,6 +53,11 @@ export class JsonText {
     if (isLarge) this.note.textContent = TEXTS.abridged(LARGE / 1000);
     const text = isLarge ? abridged(value) : value === undefined ? "" : formatJson(value);
     if (this.textarea.value !== text) this.textarea.value = text;
+  }
+
+  /** Whether the text is no JSON, so that it stands for no value. */
+  get isBroken() {
+    return !this.error.hidden;
   }
 
   #showWhole() {

@@ -1,13 +1,13 @@
-// The fields with entries: lists, of which one page is in the document, and maps from names to values.
+// The field of a list, of which one page is in the document.
 import { el } from "../dom.js";
-import { button, Frame, setInvalid } from "./dom.js";
+import { button, Frame } from "./dom.js";
 import { brief } from "./jsontext.js";
 import { Slot } from "./object.js";
 import { gridOf, parseTable } from "../paste.js";
 import { PasteBox, understood } from "./pastebox.js";
 import { FORM_TEXTS as TEXTS } from "../texts.js";
 import { blankItem, emptyItem, isSimple } from "./tree.js";
-import { isObject, withItem } from "./value.js";
+import { withItem } from "./value.js";
 
 /** @typedef {import("./dom.js").Control} Control */
 /** @typedef {import("./dom.js").Context} Context */
@@ -43,6 +43,10 @@ export class ListControl {
     /** @type {readonly unknown[]} */
     this.value = Array.isArray(value) ? value : [];
     this.first = 0;
+    /** Errors of entries, those of other pages too. @type {{path: Path, text: string}[]} */
+    this.faults = [];
+    /** @type {PasteBox | null} */
+    this.box = null;
     /** @type {Row[]} */
     this.rows = [];
     this.list = el("div", { class: "form-list" });
@@ -71,10 +75,12 @@ export class ListControl {
     });
     box.takeDrops(this.element);
     this.element.append(box.element);
+    this.box = box;
   }
 
   /** @param {unknown} value */
   update(value) {
+    this.box?.forget();
     this.value = Array.isArray(value) ? value : [];
     this.#draw();
   }
@@ -82,6 +88,7 @@ export class ListControl {
   /** @param {readonly unknown[]} value */
   #change(value) {
     this.value = value;
+    this.faults = [];
     this.frame.setFault("");
     this.#draw();
     this.emit(value);
@@ -95,7 +102,7 @@ export class ListControl {
     while (this.rows.length > shown.length) this.rows.pop()?.element.remove();
     shown.forEach((value, at) => {
       const row = this.rows[at] ?? this.#addRow(at, value);
-      row.slot?.update(value);
+      row.slot?.update(value ?? undefined);
       row.summary.textContent = this.#heading(at, value);
       row.buttons.up.disabled = this.first + at === 0;
       row.buttons.down.disabled = this.first + at === end;
@@ -137,6 +144,7 @@ export class ListControl {
     if (!details) {
       row.slot = this.#slot(at, label, value);
       element.append(row.slot.element);
+      this.#markAgain(at);
     } else if (this.value.length <= OPEN) {
       details.open = true;
       this.#fill(at);
@@ -151,14 +159,25 @@ export class ListControl {
     if (!row?.details?.open || row.slot) return;
     row.slot = this.#slot(at, this.item.label, this.value[this.first + at]);
     row.details.append(row.slot.element);
+    this.#markAgain(at);
+  }
+
+  /** Shows the errors of an entry whose fields are made anew. @param {number} at */
+  #markAgain(at) {
+    const slot = this.rows[at]?.slot;
+    for (const { path: [index, ...rest], text } of this.faults) {
+      if (index !== this.first + at) continue;
+      slot?.reveal(rest);
+      slot?.mark(text, rest);
+    }
   }
 
   /** @param {number} at @param {string} label @param {unknown} value */
   #slot(at, label, value) {
-    const shown = value === null ? undefined : value;
-    return new Slot(this.context, { ...this.item, label }, shown, (next) => {
+    return new Slot(this.context, { ...this.item, label }, value ?? undefined, (next) => {
       const item = next ?? emptyItem(this.item);
       this.value = withItem(this.value, this.first + at, item);
+      this.faults = this.faults.filter(({ path }) => path[0] !== this.first + at);
       const row = this.rows[at];
       if (row) row.summary.textContent = this.#heading(at, item);
       this.frame.setFault("");
@@ -255,13 +274,20 @@ export class ListControl {
     return row?.slot?.reveal(rest) ?? { control: this, path };
   }
 
-  /** @param {string} text */
-  mark(text) {
-    this.frame.addFault(text);
-    return this.frame.id;
+  /** @param {string} text @param {Path} path */
+  mark(text, path) {
+    const [index, ...rest] = path;
+    const slot = typeof index === "number" ? this.rows[index - this.first]?.slot : undefined;
+    if (!slot) {
+      this.frame.addFault(text);
+      return this.frame.id;
+    }
+    this.faults.push({ path, text });
+    return slot.mark(text, rest);
   }
 
   clear() {
+    this.faults = [];
     this.frame.setFault("");
     for (const row of this.rows) row.slot?.clear();
   }
@@ -286,116 +312,4 @@ function named(sign, name, press, keys = "") {
   if (keys) made.setAttribute("aria-keyshortcuts", keys);
   made.title = keys ? TEXTS.withKeys(name, keys) : name;
   return made;
-}
-
-/**
- * Names with values.
- * @implements {Control}
- */
-export class MapControl {
-  /** @param {Context} context @param {Field} field @param {unknown} value @param {Emit} emit */
-  constructor(context, field, value, emit) {
-    this.context = context;
-    this.item = field.item();
-    this.emit = emit;
-    this.frame = new Frame(context, field, "");
-    /** @type {[string, unknown][]} */
-    this.entries = [];
-    /** @type {{name: HTMLInputElement, slot: Slot, element: HTMLElement}[]} */
-    this.rows = [];
-    this.list = el("div", { class: "form-list" });
-    this.add = button(TEXTS.addItem(TEXTS.entry), () => this.#add());
-    this.element = this.frame.group(this.list, el("div", { class: "form-bar" }, this.add));
-    this.update(value);
-  }
-
-  /** @param {unknown} value */
-  update(value) {
-    const entries = Object.entries(isObject(value) ? value : {});
-    const isTyping = this.entries.some(([name]) => name === "") && this.list.contains(document.activeElement);
-    if (isTyping) return;
-    this.entries = entries;
-    this.#draw();
-  }
-
-  #draw() {
-    while (this.rows.length > this.entries.length) this.rows.pop()?.element.remove();
-    this.entries.slice(0, 10 * PAGE).forEach(([name, value], at) => {
-      const row = this.rows[at] ?? this.#addRow(at, value);
-      if (row.name.value !== name) row.name.value = name;
-      row.slot.update(value === null ? undefined : value);
-    });
-  }
-
-  /** @param {number} at @param {unknown} value */
-  #addRow(at, value) {
-    const name = el("input", {
-      type: "text", autocomplete: "off", "aria-label": TEXTS.mapName, placeholder: TEXTS.mapName,
-      input: () => this.#change(at, name.value, this.entries[at]?.[1]),
-    });
-    const field = { ...this.item, label: TEXTS.mapValue, required: true };
-    const slot = new Slot(this.context, field, value === null ? undefined : value, (next) =>
-      this.#change(at, name.value, next ?? emptyItem(this.item)));
-    const remove = button("×", () => this.#remove(at), "form-remove");
-    remove.setAttribute("aria-label", TEXTS.remove(TEXTS.item(this.frame.field.label, at + 1)));
-    const element = el("div", { class: "form-entry form-pair" }, remove, name, slot.element);
-    this.list.append(element);
-    const row = { name, slot, element };
-    this.rows[at] = row;
-    return row;
-  }
-
-  /** @param {number} at @param {string} name @param {unknown} value */
-  #change(at, name, value) {
-    this.entries[at] = [name, value];
-    this.#tell();
-  }
-
-  /** Tells the entries, unless two have the same name: one of them would be lost. */
-  #tell() {
-    const names = this.entries.map(([name]) => name).filter((name) => name !== "");
-    const isTwice = new Set(names).size < names.length;
-    this.frame.setProblem(isTwice ? TEXTS.nameTwice : "");
-    for (const { name } of this.rows) {
-      setInvalid(name, names.indexOf(name.value) !== names.lastIndexOf(name.value));
-    }
-    this.frame.setFault("");
-    if (!isTwice) this.emit(Object.fromEntries(this.entries.filter(([name]) => name !== "")));
-  }
-
-  #add() {
-    this.entries.push(["", blankItem(this.item)]);
-    this.#draw();
-    this.rows.at(-1)?.name.focus();
-  }
-
-  /** @param {number} at */
-  #remove(at) {
-    this.entries.splice(at, 1);
-    this.#draw();
-    this.#tell();
-    this.add.focus();
-  }
-
-  /** @param {Path} path @returns {{control: Control, path: Path}} */
-  reveal(path) {
-    const at = this.entries.findIndex(([name]) => name === String(path[0]));
-    return this.rows[at]?.slot.reveal(path.slice(1)) ?? { control: this, path };
-  }
-
-  /** @param {string} text */
-  mark(text) {
-    this.frame.addFault(text);
-    return this.frame.id;
-  }
-
-  clear() {
-    this.frame.setFault("");
-    for (const row of this.rows) row.slot.clear();
-  }
-
-  focus() {
-    if (this.frame.fault) this.element.focus();
-    else this.add.focus();
-  }
 }

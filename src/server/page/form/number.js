@@ -16,7 +16,8 @@ const NUMBERS = {
  * @returns {number | null}  null where the text is no number
  */
 export function readNumber(text, decimal) {
-  const trimmed = text.trim().replace("\u2212", "-");
+  // The page writes thousands apart by such blanks; texts from elsewhere do too.
+  const trimmed = text.trim().replace("\u2212", "-").replace(/(\d)[\u202f\u00a0](?=\d)/g, "$1");
   const sign = decimal ?? (trimmed.includes(",") ? "," : ".");
   if (!NUMBERS[sign]?.test(trimmed)) return null;
   const value = Number(trimmed.replace(",", "."));

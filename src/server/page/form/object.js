@@ -23,6 +23,10 @@ export class Slot {
     this.field = field;
     this.emit = emit;
     this.kind = "";
+    /** @type {unknown} */
+    this.value = undefined;
+    /** What was removed, to be added again. @type {unknown} */
+    this.removed = undefined;
     /** @type {Control | null} */
     this.control = null;
     this.id = context.id();
@@ -33,6 +37,14 @@ export class Slot {
 
   /** @param {unknown} value */
   update(value) {
+    this.removed = undefined;
+    // A list shows its entries again when one of them changes.
+    if (value !== this.value || this.kind === "") this.#show(value);
+  }
+
+  /** @param {unknown} value */
+  #show(value) {
+    this.value = value;
     const field = shownAs(this.field, value);
     const canBeAdded = !this.field.required && !isSimple(this.field);
     const kind = canBeAdded && value === undefined ? "absent" : field.kind;
@@ -44,7 +56,7 @@ export class Slot {
   #build(kind, field, value, canBeAdded) {
     this.kind = kind;
     this.error.hidden = true;
-    this.control = kind === "absent" ? null : this.context.make(field, value, this.emit);
+    this.control = kind === "absent" ? null : this.context.make(field, value, (next) => this.#tell(next));
     const parts = [this.control?.element ?? this.#addLine(), this.error];
     if (canBeAdded && this.control) parts.unshift(this.#removeButton());
     this.element.replaceChildren(...parts);
@@ -52,7 +64,7 @@ export class Slot {
 
   #addLine() {
     const { label, name, help } = this.field;
-    const add = button(TEXTS.add(label), () => this.#replace(blankOf(this.field) ?? {}), "form-add");
+    const add = button(TEXTS.add(label), () => this.#replace(this.removed ?? blankOf(this.field) ?? {}), "form-add");
     add.id = this.id;
     add.title = name;
     add.setAttribute("aria-describedby", `${this.error.id} ${this.id}-help`);
@@ -61,7 +73,10 @@ export class Slot {
   }
 
   #removeButton() {
-    const remove = button("×", () => this.#replace(undefined), "form-remove");
+    const remove = button("×", () => {
+      this.removed = this.value;
+      this.#replace(undefined);
+    }, "form-remove");
     remove.setAttribute("aria-label", TEXTS.remove(this.field.label));
     remove.title = TEXTS.remove(this.field.label);
     return remove;
@@ -69,9 +84,15 @@ export class Slot {
 
   /** @param {unknown} value */
   #replace(value) {
-    this.update(value);
+    this.#show(value);
     this.emit(value);
     this.focus([]);
+  }
+
+  /** @param {unknown} value */
+  #tell(value) {
+    this.value = value;
+    this.emit(value);
   }
 
   /** @param {Path} path @returns {{control: Control, path: Path}} */
@@ -192,8 +213,10 @@ export class ObjectControl {
     return this.slots.get(String(name))?.reveal(rest) ?? { control: this, path };
   }
 
-  /** @param {string} text */
-  mark(text) {
+  /** @param {string} text @param {Path} path */
+  mark(text, [name, ...rest]) {
+    const slot = this.slots.get(String(name));
+    if (slot) return slot.mark(text, rest);
     this.frame.addFault(text);
     return this.frame.id;
   }
@@ -244,6 +267,7 @@ export class VariantControl {
 
   /** @param {unknown} value */
   update(value) {
+    this.before.clear();
     this.value = value;
     const shape = shapeOf(this.field, value);
     if (shape === this.shape) this.slot?.update(value);
@@ -290,14 +314,20 @@ export class VariantControl {
     this.body.replaceChildren(...(this.slot ? [this.slot.element] : []));
   }
 
-  /** @param {Path} path @returns {{control: Control, path: Path}} */
-  reveal(path) {
-    const isOwn = path.length === 0 || path[0] === this.field.tag;
-    return (!isOwn && this.slot?.reveal(path)) || { control: this, path };
+  /** The slot that shows a place; null for the choice itself. @param {Path} path */
+  #slotOf(path) {
+    return path.length === 0 || path[0] === this.field.tag ? null : this.slot;
   }
 
-  /** @param {string} text */
-  mark(text) {
+  /** @param {Path} path @returns {{control: Control, path: Path}} */
+  reveal(path) {
+    return this.#slotOf(path)?.reveal(path) ?? { control: this, path };
+  }
+
+  /** @param {string} text @param {Path} path */
+  mark(text, path) {
+    const slot = this.#slotOf(path);
+    if (slot) return slot.mark(text, path);
     this.frame.addFault(text);
     return this.select.id;
   }
@@ -309,7 +339,8 @@ export class VariantControl {
 
   /** @param {Path} path */
   focus(path) {
-    if (path.length > 0 && path[0] !== this.field.tag && this.slot) this.slot.focus(path);
+    const slot = this.#slotOf(path);
+    if (slot) slot.focus(path);
     else this.select.focus();
   }
 }

@@ -121,8 +121,15 @@ export class PasteBox {
     this.file.value = "";
   }
 
+  /** Another request is shown: what was said and replaced belongs to the one before. */
+  forget() {
+    this.before = undefined;
+    this.say("", false);
+  }
+
   #undo() {
     this.target.apply(this.before);
+    this.before = undefined;
     this.say(TEXTS.undone, false);
     this.text.focus();
   }

@@ -42,7 +42,8 @@ export class TableControl {
     this.faults = new Map();
     this.first = 0;
     this.left = 0;
-    this.at = { row: 0, column: 0 };
+    /** The cell that had the focus last. @type {{row: number, column: number} | null} */
+    this.at = null;
     /** @type {{element: HTMLTableRowElement, head: HTMLElement, inputs: HTMLInputElement[]}[]} */
     this.shown = [];
     this.head = el("tr", {});
@@ -73,7 +74,7 @@ export class TableControl {
 
   #bar() {
     this.count = el("span", { class: "form-note", role: "status" });
-    this.remove = button(TEXTS.removeNoRow, () => this.#removeRow());
+    this.remove = button("", () => this.#removeRow());
     this.previous = button(TEXTS.previous, () => this.#turn(-COLUMNS));
     this.next = button(TEXTS.next, () => this.#turn(COLUMNS));
     this.add = button(TEXTS.addRow, () => this.#addRow(this.rows.length));
@@ -85,7 +86,9 @@ export class TableControl {
 
   /** @param {unknown} value */
   update(value) {
+    this.box.forget();
     this.rows = Array.isArray(value) ? value : [];
+    if (!this.body.contains(document.activeElement)) this.at = null;
     this.#draw();
   }
 
@@ -115,6 +118,15 @@ export class TableControl {
       this.count.textContent = TEXTS.rows(this.rows.length) + (isWide ? `, ${columnsText}` : "");
     }
     this.#drawRows();
+    this.#nameRemoval();
+  }
+
+  /** Says which row would be removed: that of the chosen cell. */
+  #nameRemoval() {
+    if (this.at && this.at.row >= this.rows.length) this.at = null;
+    if (!this.remove) return;
+    this.remove.textContent = this.at ? TEXTS.removeRow(this.at.row + 1) : TEXTS.removeNoRow;
+    this.remove.disabled = this.at === null;
   }
 
   #drawHead() {
@@ -190,7 +202,7 @@ export class TableControl {
     const hadFocus = this.body.contains(document.activeElement);
     this.first = top - ABOVE;
     this.#drawRows();
-    if (!hadFocus) return;
+    if (!hadFocus || !this.at) return;
     const { row, column } = this.at;
     const input = this.shown[row - this.first]?.inputs[column - this.left];
     (input ?? this.scroller).focus({ preventScroll: true });
@@ -229,7 +241,7 @@ export class TableControl {
     const place = this.#place(event);
     if (!place) return;
     this.at = place;
-    if (this.remove) this.remove.textContent = TEXTS.removeRow(place.row + 1);
+    this.#nameRemoval();
   }
 
   /** @param {KeyboardEvent} event */
@@ -292,9 +304,10 @@ export class TableControl {
   }
 
   #removeRow() {
+    if (!this.at) return;
     const { row, column } = this.at;
-    if (row >= this.rows.length) return;
     this.#change(withoutRow(this.rows, row));
+    if (this.rows.length === 0) this.add?.focus();
     this.#goTo(Math.min(row, this.rows.length - 1), column);
   }
 

@@ -51,7 +51,7 @@ export function canShow(field, value) {
     case "object": case "map": return isObject(value);
     case "variant": return shapeOf(field, value) !== undefined;
     case "list": return Array.isArray(value);
-    case "numbers": return Array.isArray(value) && value.every(isCell);
+    case "numbers": return Array.isArray(value) && value.every(isCell) && (!isInline(field) || value.length <= field.most);
     case "points": return Array.isArray(value) && value.every(isRow);
     default: return true;
   }

@@ -173,6 +173,7 @@ export function useFakeDocument() {
   globalThis.document = {
     activeElement: null,
     createElement: (tag) => new FakeElement(tag),
+    createElementNS: (_, tag) => new FakeElement(tag),
     createTextNode: (text) => new FakeText(text),
   };
 }

@@ -3,6 +3,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { lineStarts, ProgramText } from "../nc.js";
+import { lineAt, timeOf } from "../player.js";
+import { pathThrough } from "./view-aids.mjs";
 
 /** Finds in a text as the page does. */
 function find(text, wanted, lit = 0) {
@@ -31,4 +33,11 @@ test("signs that mean something in patterns stand for themselves", () => {
 test("lines start behind each end of a line", () => {
   assert.deepEqual([...lineStarts("a\nbb\n\nc")], [0, 2, 5, 6]);
   assert.deepEqual([...lineStarts("")], [0]);
+});
+
+test("the line of a move is found by the time, and the time by the line", () => {
+  const path = pathThrough([[0, 0, 0], [10, 0, 0], [10, 5, 0], [10, 5, 0], [0, 5, 0]]);
+  path.blocks = Uint32Array.from([0, 4, 7, 8, 8]);
+  assert.deepEqual([0, 3, 10, 12, 15, 20, 25, 99].map((seconds) => lineAt(path, seconds)), [0, 4, 4, 7, 7, 8, 8, 0]);
+  assert.deepEqual([4, 7, 8, 5, 0].map((line) => timeOf(path, line)), [10, 15, 15, null, null]);
 });

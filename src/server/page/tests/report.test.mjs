@@ -1,14 +1,19 @@
 // Checks how the page tells figures: names, units, digits, tables, and courses over time.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { Charts } from "../charts/charts.js";
 import { courseOf, lineOf, rangeOf, ticks, valueAt } from "../charts/course.js";
-import { clock, digits, shortDigits } from "../figures.js";
+import { clock, digits, placeText, shortDigits } from "../figures.js";
 import { unitOf } from "../form/names.js";
+import { readNumber } from "../form/number.js";
 import { bytesOf, readModel } from "../glb.js";
-import { labelOf, turning, unitInName, unitInReport } from "../names.js";
+import { isPlace, labelOf, turning, unitInName, unitInReport } from "../names.js";
 import { showReport } from "../report.js";
+import { TEXTS } from "../texts.js";
 import { creases } from "../view/creases.js";
+import { KINDS } from "../view/types.js";
 import { FakeElement, useFakeDocument } from "./form-dom.mjs";
+import { pathThrough } from "./view-aids.mjs";
 
 test("names are told in words, and their units are those that machinists write", () => {
   const units = {
@@ -36,9 +41,18 @@ test("figures of a report have the unit of what is around them", () => {
 
 test("numbers have four digits that matter, and counts all", () => {
   const told = [0, -0, 12345, 1234.5678, 24462130.67, 0.0123456, 0.00000123, -3.14159, NaN].map(digits);
-  assert.deepEqual(told, ["0", "0", "12,345", "1,235", "24,460,000", "0.01235", "1.23e-6", "-3.142", "NaN"]);
-  assert.deepEqual([80_907_600, -2.5e5, 99_999].map(shortDigits), ["8.091·10⁷", "-2.5·10⁵", "99,999"]);
+  const wanted = ["0", "0", "12\u202f345", "1\u202f235", "24\u202f460\u202f000", "0.01235", "1.23e-6", "-3.142", "NaN"];
+  assert.deepEqual(told, wanted);
+  assert.deepEqual([80_907_600, -2.5e5, 99_999].map(shortDigits), ["8.091·10⁷", "-2.5·10⁵", "99\u202f999"]);
+  assert.deepEqual([12_000, 24_462_130.67, 1234.5].map(digits).map((text) => readNumber(text)), [12_000, 24_460_000, 1235]);
   assert.deepEqual([clock(61.25), clock(3725)], ["01:01.2", "1:02:05"]);
+});
+
+test("places keep micrometres, wherever they lie", () => {
+  const places = [123.456, -1234.5678, 0.00004, -0.0001, 7, NaN].map(placeText);
+  assert.deepEqual(places, ["123.456", "-1\u202f234.568", "0", "0", "7", "NaN"]);
+  const names = ["at", "scallop_at", "bounds", "centroid", "end", "z_mm", "top_z_mm", "feed", "format", "cell_mm"];
+  assert.deepEqual(names.filter(isPlace), names.slice(0, 7));
 });
 
 test("a report is shown with units, nested figures and rows", () => {
@@ -48,14 +62,15 @@ test("a report is shown with units, nested figures and rows", () => {
   const answer = {
     engine_version: "1", warnings: [{ code: "coarse_samples", detail: "see `path`" }],
     report: {
-      gouge_max_mm: { bound: 0.25, at: [1, 2, 3], pass: 0 }, chosen: "zigzag_stock_offset",
+      gouge_max_mm: { bound: 0.25, at: [123.4567, 2, 3], pass: 0 }, chosen: "zigzag_stock_offset",
+      bounds: { min: [-1234.5678, 0, 0] },
       axis_peaks: [{ axis: "X", speed: 25 }, { axis: "B", speed: 7.5 }],
     },
   };
   showReport(host, answer, charts);
   const text = host.all().filter(({ tag }) => ["td", "th", "li", "code"].includes(tag)).map((node) => node.textContent);
-  const parts = ["Coarse samples: see path", "path", "Gouge max", "0.25 mm", "1, 2, 3 mm", "zigzag stock offset", "25 mm/s",
-    "7.5°/s", "Speed"];
+  const parts = ["Coarse samples: see path", "path", "Gouge max", "0.25 mm", "123.457, 2, 3 mm", "-1\u202f234.568, 0, 0 mm",
+    "zigzag stock offset", "25 mm/s", "7.5°/s", "Speed"];
   for (const part of parts) {
     assert.ok(text.includes(part), `${part} is not in ${text.join(" | ")}`);
   }
@@ -68,6 +83,25 @@ test("the value of a course at a time is between its neighbours, or holds since 
   assert.equal(valueAt({ ...course, isStepped: true }, 1), 3);
   assert.deepEqual(rangeOf([course, courseOf([[0, -1]])]), [-1, 3]);
   assert.ok(Number.isNaN(valueAt(courseOf([]), 0)));
+});
+
+test("diagrams of the motion have a clock of their own, and those of the path are linked to the program", () => {
+  useFakeDocument();
+  globalThis.ResizeObserver = class { observe() {} };
+  const asked = [];
+  const charts = new Charts((seconds) => asked.push(seconds));
+  const path = pathThrough([[0, 0, 0], [0, 0, 9]]);
+  charts.show(path, [{ name: "feed, mm/min", before: [], after: [[0, 1], [4, 2]] }]);
+  assert.deepEqual([charts.program, charts.motion].map((group) => group.charts.map(({ name, end }) => [name, end])),
+    [[["Feed", 9], ["Z of the tip", 9]], [["Feed", 4]]]);
+  assert.ok(charts.motion.element.textContent.includes(TEXTS.charts.motion));
+  charts.setTime(3);
+  charts.motion.charts[0].area.dispatch("keydown", { key: "End" });
+  assert.deepEqual([charts.program.seconds, charts.motion.seconds, asked], [3, 4, []]);
+  charts.program.charts[0].area.dispatch("keydown", { key: "End" });
+  assert.deepEqual(asked, [9]);
+  charts.show(path, []);
+  assert.deepEqual([charts.program.element.hidden, charts.motion.element.hidden], [false, true]);
 });
 
 test("a line keeps its extremes in few points, and has gaps where there is no value", () => {
@@ -94,8 +128,8 @@ test("ticks are round numbers inside of the range", () => {
   }
 });
 
-/** A binary glTF file of a path with one pass. @param {object} extras @param {Record<string, number[]>} attributes */
-function fileOf(extras, attributes) {
+/** A binary glTF file of a path with one pass. */
+function fileOf(extras, attributes, pass = "pass 1") {
   const entries = Object.entries(attributes);
   const numbers = Float32Array.from(entries.flatMap(([, values]) => values));
   let at = 0;
@@ -107,7 +141,7 @@ function fileOf(extras, attributes) {
   });
   const json = JSON.stringify({
     scenes: [{ nodes: [0] }],
-    nodes: [{ children: [1], extras }, { name: "path", children: [2] }, { name: "pass 1", mesh: 0, extras: { level: 0 } }],
+    nodes: [{ children: [1], extras }, { name: "path", children: [2] }, { name: pass, mesh: 0, extras: { level: 0 } }],
     meshes: [{ primitives: [{ attributes: Object.fromEntries(entries.map(([name], k) => [name, k])) }] }],
     accessors, bufferViews: [{ byteLength: numbers.byteLength }],
   });
@@ -121,18 +155,27 @@ function fileOf(extras, attributes) {
   return bytesOf(bytes.toString("base64"));
 }
 
-test("deviations, diagrams and an assumed stock are read from the file", () => {
+test("times, diagrams and an assumed stock are read from the file", () => {
   const attributes = { POSITION: [0, 0, 0, 1, 0, 0], _TIME: [0, 2] };
   const plain = readModel(fileOf({ metres_per_unit: 0.001 }, attributes));
-  assert.deepEqual([plain.path.deviations, plain.diagrams, plain.isStockAssumed], [null, [], false]);
+  assert.deepEqual([plain.diagrams, plain.isStockAssumed], [[], false]);
   assert.deepEqual([plain.path.strips[0].pass, plain.path.strips[0].level], [1, 1]);
   const diagrams = [{ name: "feed, mm/min", after: [[0, 1]] }];
   const extras = { metres_per_unit: 0.001, stock_is_assumed: true, diagrams };
-  const told = readModel(fileOf(extras, { ...attributes, _DEVIATION: [0.5, 0.25] }));
-  assert.deepEqual([...told.path.deviations], [0.5, 0.25]);
+  const told = readModel(fileOf(extras, attributes));
   assert.deepEqual(told.diagrams, [{ name: "feed, mm/min", before: [], after: [[0, 1]] }]);
   assert.ok(told.isStockAssumed);
   assert.deepEqual([...told.path.times], [0, 2]);
+});
+
+test("kinds are read by their names, and the number of a pass stands in its name", () => {
+  const attributes = { POSITION: Array(12).fill(0), _TIME: [0, 1, 2, 3], _KIND: [0, 1, 2, 3] };
+  const kinds = ["cut", "turn", "spiral", "rapid"];
+  const { path } = readModel(fileOf({ metres_per_unit: 0.001, kinds }, attributes, "pass 7, level 1 of 2"));
+  assert.deepEqual([...path.kinds].map((k) => KINDS[k]), ["cut", "turn", "cut", "rapid"]);
+  assert.equal(path.strips[0].pass, 7);
+  const plain = readModel(fileOf({ metres_per_unit: 0.001 }, attributes)).path;
+  assert.deepEqual([[...plain.kinds], plain.strips[0].pass], [[0, 1, 2, 3], 1]);
 });
 
 test("a prism of many sides has its rims as edges, and a lone triangle all of its sides", () => {

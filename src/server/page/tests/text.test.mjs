@@ -67,6 +67,7 @@ test("points are split into the rows of a grid", () => {
 test("numbers are read with a comma or a point, and their problems told", () => {
   const read = (...texts) => texts.map((text) => readNumber(text));
   assert.deepEqual(read("1,5", " -2. ", ".5", "1e3", "\u22124"), [1.5, -2, 0.5, 1000, -4]);
+  assert.deepEqual(read("12\u202f000", "1\u00a0234\u00a0567,5", "\u202f"), [12_000, 1_234_567.5, null]);
   assert.deepEqual(read("", "1,000.5", "1e999", "x", "-", "1 2"), Array(6).fill(null));
   assert.deepEqual([typedValue(" "), typedValue("4x"), typedValue("4")], [undefined, "4x", 4]);
   const range = { kind: "integer", min: 1, max: 6, unit: "" };

@@ -32,8 +32,8 @@ export function pathThrough(points, { kinds, strips } = {}) {
   return {
     positions, times, kinds: Uint8Array.from(kinds ?? points.map(() => 1)),
     feeds: new Float32Array(points.length).fill(60), blocks: Uint32Array.from(points, (_, i) => i + 1),
-    deviations: null, axes: null,
-    strips: strips ?? [{ first: 0, count: points.length, name: "path", pass: 0, level: null }],
+    axes: null,
+    strips: strips ?? [{ first: 0, count: points.length, pass: 0, level: null }],
   };
 }
 
@@ -54,6 +54,15 @@ export function cameraAt(yaw, pitch, orthographic) {
   camera.fit();
   camera.orbit(yaw, pitch);
   return camera;
+}
+
+/** Where a point is seen, in CSS pixels from the upper left corner, and how far before the eye. */
+export function project(camera, point) {
+  const { right, up, back } = camera.axes();
+  const offset = sub(point, camera.pose.target);
+  const depth = camera.pose.distance - dot(offset, back);
+  const pixel = camera.orthographic ? camera.pixel() : (camera.pixel() * depth) / camera.pose.distance;
+  return { x: camera.width / 2 + dot(offset, right) / pixel, y: camera.height / 2 - dot(offset, up) / pixel, depth };
 }
 
 export function transformed(matrix, [x, y, z], w = 1) {

@@ -108,17 +108,6 @@ export class Camera {
     return { origin: this.eye(), direction: scale(way, 1 / length), base: 0, slope: pixel / length };
   }
 
-  /** Where a point is seen, in CSS pixels from the upper left corner. @param {Vec3} point */
-  project(point) {
-    const { right, up, back } = this.axes();
-    const offset = sub(point, this.#pose.target);
-    const depth = this.#pose.distance - dot(offset, back);
-    const ratio = this.orthographic ? 1 : this.#pose.distance / Math.max(depth, 1e-9);
-    const pixel = this.pixel() / ratio;
-    const [x, y] = [dot(offset, right) / pixel, dot(offset, up) / pixel];
-    return { x: this.width / 2 + x, y: this.height / 2 - y, depth };
-  }
-
   /** The point under the cursor on the plane through the target that faces the viewer.
    * @param {number} x @param {number} y @returns {Vec3} */
   facing(x, y) {

@@ -1,6 +1,6 @@
 // Colours of the path: the palette, what a vertex's colour means, and the rows of the legend.
 
-import { isJoined, MARK, vertexCount } from "./timeline.js";
+import { isSeen, MARK, vertexCount } from "./timeline.js";
 import { at } from "./math.js";
 import { KINDS } from "./types.js";
 import { VIEW_TEXTS as TEXTS } from "../texts.js";
@@ -8,11 +8,9 @@ import { VIEW_TEXTS as TEXTS } from "../texts.js";
 
 /** Colours of the kinds; people who see fewer colours tell them apart, on light and on dark ground. */
 export const KIND_COLORS = Object.freeze([
-  "#82909c", "#2354f5", "#b02520", "#e18400", "#15b07e", "#a03689", "#5f92ff", "#b26a52"]);
+  "#82909c", "#2354f5", "#b02520", "#e18400", "#15b07e", "#a03689", "#5f92ff", "#b26a52", "#921daa"]);
 /** From low to high. */
 const RAMP = ["#2a6fdb", "#7c8cc0", "#b78a55", "#e0650a"];
-/** From below through nothing to above. */
-const DIVERGING = ["#2a6fdb", "#8c929b", "#e0650a"];
 const UNKNOWN = "#8c929b";
 export const LEFT_COLORS = Object.freeze(["#9fb3a6", "#d8a21c", "#d9620f"]);
 export const GOUGE_COLOR = "#a3195b";
@@ -42,10 +40,9 @@ function between(stops, t) {
 /** The table of 256 colours that the shader reads, four bytes each. @param {ColorBy} by */
 export function colorTable(by) {
   const table = new Uint8Array(1024);
-  const stops = by === "deviation" ? DIVERGING : RAMP;
   for (let i = 0; i < 256; i++) {
     const color = by === "kind" ? rgb(KIND_COLORS[i] ?? UNKNOWN)
-      : i === 0 ? rgb(UNKNOWN) : between(stops, (i - 1) / 254);
+      : i === 0 ? rgb(UNKNOWN) : between(RAMP, (i - 1) / 254);
     table.set([...color.map((x) => Math.round(x * 255)), 255], 4 * i);
   }
   return table;
@@ -56,33 +53,28 @@ export function colorTable(by) {
 export function paint(path, marks, by) {
   const n = vertexCount(path);
   if (by === "level" || by === "pass") return paintStrips(path, marks, n, by);
-  const values = by === "feed" ? path.feeds : by === "deviation" ? path.deviations : null;
-  if (!values) {
-    for (let i = 0; i < n; i++) marks[MARK * i + 1] = by === "kind" ? at(marks, MARK * i) : 0;
-    return { by, from: 0, to: 0, known: by === "kind", unknown: by !== "kind", levels: [] };
-  }
-  return paintValues(values, marks, n, by);
+  if (by === "feed") return paintFeeds(path, marks, n);
+  for (let i = 0; i < n; i++) marks[MARK * i + 1] = at(marks, MARK * i);
+  return { by, from: 0, to: 0, known: true, unknown: false, levels: [] };
 }
 
-/** @param {Float32Array} values @param {Uint8Array} marks @param {number} n @param {ColorBy} by
- * @returns {Coloring} */
-function paintValues(values, marks, n, by) {
-  const isKnown = (/** @type {number} */ x) => (by === "feed" ? x > 0 : true) && Math.abs(x) < Infinity;
+/** @param {PathData} path @param {Uint8Array} marks @param {number} n @returns {Coloring} */
+function paintFeeds({ feeds, positions }, marks, n) {
+  const isKnown = (/** @type {number} */ x) => x > 0 && x < Infinity;
   let [from, to, unknown] = [Infinity, -Infinity, false];
   for (let i = 0; i < n; i++) {
-    const x = values[i] ?? NaN;
-    if (!isKnown(x)) unknown = true;
+    const x = feeds[i] ?? NaN;
+    if (!isKnown(x)) unknown ||= isSeen(positions, marks, i);
     else [from, to] = [x < from ? x : from, x > to ? x : to];
   }
   const known = from <= to;
   if (!known) [from, to] = [0, 0];
-  if (by === "deviation") [from, to] = [-Math.max(-from, to), Math.max(-from, to)];
   const factor = to > from ? 254 / (to - from) : 0;
   for (let i = 0; i < n; i++) {
-    const x = values[i] ?? NaN;
+    const x = feeds[i] ?? NaN;
     marks[MARK * i + 1] = isKnown(x) ? 1 + Math.round(factor ? (x - from) * factor : 127) : 0;
   }
-  return { by, from, to, known, unknown, levels: [] };
+  return { by: "feed", from, to, known, unknown, levels: [] };
 }
 
 /** @param {PathData} path @param {Uint8Array} marks @param {number} n @param {"level"|"pass"} by
@@ -111,18 +103,22 @@ const levelEntry = (index, count) => 1 + Math.round(count > 1 ? (254 * index) / 
 const row = (row) =>
   ({ type: "swatch", key: null, dashed: false, visible: true, from: null, to: null, unit: "", ...row });
 
-/** The rows that explain the path's colours. @param {Coloring} coloring
- * @param {Uint32Array} counts stretches of each kind @param {(key: string) => boolean} isVisible
- * @returns {LegendRow[]} */
+/** The rows that explain the path's colours, and one for each kind, which is switched there.
+ * @param {Coloring} coloring @param {Uint32Array} counts stretches of each kind
+ * @param {(key: string) => boolean} isVisible @returns {LegendRow[]} */
 export function legendRows(coloring, counts, isVisible) {
+  const kinds = KINDS.flatMap((key, kind) => (at(counts, kind) === 0 ? [] : [row({
+    label: TEXTS.kinds[key] ?? key, key, dashed: key === "rapid", visible: isVisible(key),
+    colors: coloring.by === "kind" ? [KIND_COLORS[kind] ?? UNKNOWN] : [],
+  })]));
+  return [...meanings(coloring), ...kinds];
+}
+
+/** The rows that explain colours of something else than the kind. @param {Coloring} coloring @returns {LegendRow[]} */
+function meanings(coloring) {
   const { by, from, to, levels } = coloring;
-  if (by === "kind") {
-    return KINDS.flatMap((key, kind) => (at(counts, kind) === 0 ? [] : [row({
-      label: TEXTS.kinds[key] ?? key, key, dashed: key === "rapid", visible: isVisible(key),
-      colors: [KIND_COLORS[kind] ?? UNKNOWN],
-    })]));
-  }
-  const unknown = { feed: TEXTS.noFeed, deviation: TEXTS.noDeviation, level: TEXTS.noLevel, pass: TEXTS.noPass }[by];
+  if (by === "kind") return [];
+  const unknown = { feed: TEXTS.noFeed, level: TEXTS.noLevel, pass: TEXTS.noPass }[by];
   const rest = coloring.unknown ? [row({ label: unknown, colors: [UNKNOWN] })] : [];
   if ((by === "level" || by === "pass") && levels.length <= NAMED_LEVELS) {
     return [...levels.map((level, i) => row({
@@ -130,9 +126,8 @@ export function legendRows(coloring, counts, isVisible) {
       colors: [hex(between(RAMP, (levelEntry(i, levels.length) - 1) / 254))],
     })), ...rest];
   }
-  const colors = by === "deviation" ? DIVERGING : RAMP;
-  const unit = by === "feed" ? TEXTS.feedUnit : by === "deviation" ? TEXTS.deviationUnit : "";
-  const ramp = row({ type: "ramp", label: TEXTS[by], colors, from, to, unit });
+  const unit = by === "feed" ? TEXTS.feedUnit : "";
+  const ramp = row({ type: "ramp", label: TEXTS[by], colors: RAMP, from, to, unit });
   return coloring.known ? [ramp, ...rest] : rest;
 }
 
@@ -140,7 +135,7 @@ export function legendRows(coloring, counts, isVisible) {
  * @param {number} most mm of the last colour @returns {LegendRow[]} */
 export const materialRows = (most) => [
   row({
-    type: "ramp", label: TEXTS.left, colors: [...LEFT_COLORS], from: 0, to: most, unit: TEXTS.deviationUnit,
+    type: "ramp", label: TEXTS.left, colors: [...LEFT_COLORS], from: 0, to: most, unit: TEXTS.leftUnit,
   }),
   row({ label: TEXTS.gouged, colors: [GOUGE_COLOR] }),
 ];
@@ -148,11 +143,11 @@ export const materialRows = (most) => [
 /** @param {[number, number, number]} color */
 const hex = (color) => `#${color.map((x) => Math.round(x * 255).toString(16).padStart(2, "0")).join("")}`;
 
-/** Stretches of each kind. @param {Uint8Array} marks of the vertices */
-export function countKinds(marks) {
+/** Stretches of each kind that are seen. @param {Float32Array} positions @param {Uint8Array} marks of the vertices */
+export function countKinds(positions, marks) {
   const counts = new Uint32Array(KINDS.length);
   for (let i = 1; MARK * i < marks.length; i++) {
-    if (isJoined(marks, i)) counts[at(marks, MARK * i)] = at(counts, at(marks, MARK * i)) + 1;
+    if (isSeen(positions, marks, i)) counts[at(marks, MARK * i)] = at(counts, at(marks, MARK * i)) + 1;
   }
   return counts;
 }

@@ -1,14 +1,16 @@
-// The floor grid, the edges of the stock and the axis cross: coloured lines of constant width.
+// The floor grid, the edges of the stock, and the axis cross in a corner: coloured lines of constant width.
 
 import { bufferOf, LINE_GLSL, point, Program } from "./gl.js";
-import { roundDown } from "./math.js";
+import { dot, roundDown } from "./math.js";
+/** @import { Camera } from "./camera.js" */
 /** @import { Color, Frame, GL, Theme } from "./gl.js" */
 /** @import { Box, Vec3 } from "./types.js" */
 
 /** Distances between grid lines across the longer side of the scene, about. */
 const LINES_ACROSS = 12;
-/** The longest axis line, in shares of the scene's diagonal. */
-const AXIS_SHARE = 0.12;
+/** The axis cross: the middle of its square from the left and from below, half of the side, and the length of an axis,
+ * in CSS pixels. Below the cross is room for a line of text. */
+const CROSS = { left: 40, bottom: 68, half: 36, length: 26 };
 /** Colours of the X, Y and Z axes; people who see fewer colours tell them apart. */
 const AXIS_COLORS = /** @type {Color[]} */ ([[0.84, 0.29, 0.11], [0.04, 0.6, 0.46], [0.12, 0.47, 0.82]]);
 /** Numbers of a line: two points, a colour and the width in CSS pixels. */
@@ -54,10 +56,27 @@ function gridLines(box, color) {
   return lines;
 }
 
-/** The ends of the three axes from the origin of the program. @param {Box} box @returns {Vec3[]} */
-export function axisEnds(box) {
-  const length = roundDown(AXIS_SHARE * Math.hypot(...box.max.map((x, k) => x - (box.min[k] ?? x))) || 1);
-  return [[length, 0, 0], [0, length, 0], [0, 0, length]];
+/** @type {Vec3[]} */
+const AXES = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+
+/** Where the axes of the cross end, in CSS pixels from the upper left corner of the canvas.
+ * @param {Pick<Camera, "axes"|"height">} camera */
+export function crossEnds(camera) {
+  const { right, up } = camera.axes();
+  const y = camera.height - CROSS.bottom;
+  return AXES.map((axis) => ({ x: CROSS.left + CROSS.length * dot(axis, right), y: y - CROSS.length * dot(axis, up) }));
+}
+
+/** The frame that draws the cross in its square: as the camera looks, without perspective.
+ * @param {Frame} frame @returns {Frame} */
+function crossFrame(frame) {
+  const side = Math.round(2 * CROSS.half * frame.ratio);
+  const share = CROSS.length / CROSS.half;
+  const view = frame.view.slice();
+  view.set([0, 0, 0], 12);
+  const projection = new Float32Array([share, 0, 0, 0, 0, share, 0, 0, 0, 0, -0.5, 0, 0, 0, 0, 1]);
+  // All of the cross lies before the near plane.
+  return { ...frame, view, projection, near: -2, bias: 0, size: [side, side] };
 }
 
 /** @param {number[]} ends both ends of each edge @param {Color} color */
@@ -67,9 +86,9 @@ function edgeLines(ends, color) {
   return lines;
 }
 
-export class Furniture {
+/** Lines in a buffer, each an instance. */
+class Lines {
   #gl;
-  #program;
   #array;
   /** @type {WebGLBuffer|null} */ #buffer = null;
   #count = 0;
@@ -77,51 +96,78 @@ export class Furniture {
   /** @param {GL} gl */
   constructor(gl) {
     this.#gl = gl;
-    this.#program = new Program(gl, VERTEX, FRAGMENT);
     this.#array = gl.createVertexArray();
   }
 
-  /** @param {Box} box of the scene @param {number[]} stock both ends of each of its edges @param {Theme} theme */
-  set(box, stock, theme) {
+  /** @param {Program} program @param {number[]} lines */
+  set(program, lines) {
     const gl = this.#gl;
-    const axes = axisEnds(box).flatMap((end, k) => [0, 0, 0, ...end, ...(AXIS_COLORS[k] ?? theme.grid), 2.4]);
-    const lines = [...axes, ...gridLines(box, theme.grid), ...edgeLines(stock, theme.stock)];
     gl.deleteBuffer(this.#buffer);
     this.#buffer = bufferOf(gl, Float32Array.from(lines));
     this.#count = lines.length / LINE;
     gl.bindVertexArray(this.#array);
     const layout = { stride: 4 * LINE, divisor: 1 };
-    point(this.#program, "aFrom", this.#buffer, 3, layout);
-    point(this.#program, "aTo", this.#buffer, 3, { ...layout, offset: 12 });
-    point(this.#program, "aColor", this.#buffer, 4, { ...layout, offset: 24 });
+    point(program, "aFrom", this.#buffer, 3, layout);
+    point(program, "aTo", this.#buffer, 3, { ...layout, offset: 12 });
+    point(program, "aColor", this.#buffer, 4, { ...layout, offset: 24 });
     gl.bindVertexArray(null);
   }
 
-  /** @param {Frame} frame */
-  draw(frame) {
-    this.#program.use().setFrame(frame).set({ uRatio: frame.ratio, uBias: 0 });
-    this.#run(this.#count);
-  }
-
-  /** Draws the axes over all else, so that their letters stand at something. @param {Frame} frame */
-  drawAxes(frame) {
-    this.#gl.disable(this.#gl.DEPTH_TEST);
-    this.#program.use().setFrame(frame).set({ uRatio: frame.ratio });
-    this.#run(AXIS_COLORS.length);
-    this.#gl.enable(this.#gl.DEPTH_TEST);
-  }
-
-  /** @param {number} count of the first lines */
-  #run(count) {
+  draw() {
     const gl = this.#gl;
     gl.bindVertexArray(this.#array);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.#count);
     gl.bindVertexArray(null);
   }
 
   dispose() {
     this.#gl.deleteBuffer(this.#buffer);
     this.#gl.deleteVertexArray(this.#array);
+  }
+}
+
+export class Furniture {
+  #gl;
+  #program;
+  #lines;
+  #cross;
+
+  /** @param {GL} gl */
+  constructor(gl) {
+    this.#gl = gl;
+    this.#program = new Program(gl, VERTEX, FRAGMENT);
+    this.#lines = new Lines(gl);
+    this.#cross = new Lines(gl);
+    this.#cross.set(this.#program, AXES.flatMap((end, k) => [0, 0, 0, ...end, ...(AXIS_COLORS[k] ?? [0, 0, 0]), 2.4]));
+  }
+
+  /** @param {Box} box of the scene @param {number[]} stock both ends of each of its edges @param {Theme} theme */
+  set(box, stock, theme) {
+    this.#lines.set(this.#program, [...gridLines(box, theme.grid), ...edgeLines(stock, theme.stock)]);
+  }
+
+  /** @param {Frame} frame */
+  draw(frame) {
+    this.#program.use().setFrame(frame).set({ uRatio: frame.ratio, uBias: 0 });
+    this.#lines.draw();
+  }
+
+  /** Draws the axes into their corner, over all else. @param {Frame} frame */
+  drawAxes(frame) {
+    const gl = this.#gl;
+    const cross = crossFrame(frame);
+    const [left, bottom] = [CROSS.left, CROSS.bottom].map((x) => Math.round((x - CROSS.half) * frame.ratio));
+    gl.viewport(left ?? 0, bottom ?? 0, ...cross.size);
+    gl.disable(gl.DEPTH_TEST);
+    this.#program.use().setFrame(cross).set({ uRatio: frame.ratio });
+    this.#cross.draw();
+    gl.enable(gl.DEPTH_TEST);
+    gl.viewport(0, 0, ...frame.size);
+  }
+
+  dispose() {
+    this.#lines.dispose();
+    this.#cross.dispose();
     this.#gl.deleteProgram(this.#program.program);
   }
 }

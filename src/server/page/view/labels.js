@@ -1,7 +1,7 @@
 // The text over the canvas (letters of the axes, grid spacing and size), and the colours of the page.
 
-import { axisEnds, gridOf } from "./grid.js";
-import { figure } from "./math.js";
+import { digits } from "../figures.js";
+import { crossEnds, gridOf } from "./grid.js";
 import { VIEW_TEXTS as TEXTS } from "../texts.js";
 /** @import { Camera } from "./camera.js" */
 /** @import { Color, Theme } from "./gl.js" */
@@ -19,7 +19,7 @@ export function parseColor(text) {
 }
 
 /** Lengths of a box's edges in mm, for people. @param {Box} box */
-export const sizeOf = ({ min, max }) => max.map((x, k) => figure(x - (min[k] ?? x)));
+export const sizeOf = ({ min, max }) => max.map((x, k) => digits(x - (min[k] ?? x)));
 
 export class Labels {
   #host = document.createElement("div");
@@ -64,7 +64,7 @@ export class Labels {
   /** @param {Box|null} box of the scene; null hides all @param {Box|null} sized box whose size is told */
   set(box, sized) {
     this.#host.hidden = !box;
-    if (box) this.#scale.textContent = TEXTS.scale(figure(gridOf(box).spacing), sizeOf(sized ?? box));
+    if (box) this.#scale.textContent = TEXTS.scale(digits(gridOf(box).spacing), sizeOf(sized ?? box));
   }
 
   /** Tells how much of the way to the present time the material is cut. @param {number|null} share null: all */
@@ -73,15 +73,12 @@ export class Labels {
     if (share !== null) this.#cutting.textContent = TEXTS.cutting(Math.floor(100 * share));
   }
 
-  /** Puts the letters to the ends of the axes. @param {Camera} camera @param {Box} box */
-  place(camera, box) {
+  /** Puts the letters to the ends of the axes. @param {Camera} camera */
+  place(camera) {
     const { offsetLeft, offsetTop } = this.#canvas;
-    axisEnds(box).forEach((end, k) => {
+    crossEnds(camera).forEach(({ x, y }, k) => {
       const letter = this.#axes[k];
-      if (!letter) return;
-      const { x, y, depth } = camera.project(end);
-      letter.hidden = depth <= 0 || x < 0 || y < 0 || x > camera.width || y > camera.height;
-      if (!letter.hidden) letter.style.transform = `translate(${offsetLeft + x}px, ${offsetTop + y}px)`;
+      if (letter) letter.style.transform = `translate(${offsetLeft + x}px, ${offsetTop + y}px)`;
     });
   }
 

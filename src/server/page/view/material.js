@@ -4,7 +4,7 @@
 // cutter over each cell as its depth, and the depth test keeps the lowest. So the order of the stretches
 // does not matter, and no extension is needed. Depth 0 is the bottom of the stock, depth 1 its top.
 
-import { bindTexture, Program, textureOf } from "./gl.js";
+import { Program, textureOf } from "./gl.js";
 import { real } from "./math.js";
 import { isJoined, MARK, poseAt, simplify } from "./timeline.js";
 import { Stretches } from "./stretches.js";
@@ -40,17 +40,6 @@ void main() {
 const PART_FRAGMENT = `
 in float vHeight;
 void main() { gl_FragDepth = clamp(vHeight, 0.0, 1.0); }`;
-
-const READ_VERTEX = `
-void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`;
-
-const READ_FRAGMENT = `
-uniform highp sampler2D uHeights;
-out vec4 bytes;
-void main() {
-  uint bits = floatBitsToUint(texelFetch(uHeights, ivec2(gl_FragCoord.xy), 0).r);
-  bytes = vec4(bits & 255u, bits >> 8 & 255u, bits >> 16 & 255u, bits >> 24) / 255.0;
-}`;
 
 /** A map of depths and the frame buffer that writes it.
  * @typedef {{texture: WebGLTexture, buffer: WebGLFramebuffer}} HeightMap */
@@ -296,30 +285,6 @@ export class Material {
     const copy = this.#newMap();
     this.#copy(this.map, copy);
     this.#saved.set(vertex, copy);
-  }
-
-  /** The heights of all cells, row by row from the least y; `z` in mm. Slow: for tests.
-   * @param {HeightMap|null} [map] */
-  readHeights(map = this.map) {
-    const gl = this.#gl;
-    const [w, h] = [this.columns, this.rows];
-    const bytes = new Uint8Array(4 * w * h);
-    const [target, texture] = [gl.createFramebuffer(), textureOf(gl, gl.RGBA8, w, h)];
-    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
-    gl.viewport(0, 0, w, h);
-    gl.disable(gl.DEPTH_TEST);
-    const program = new Program(gl, READ_VERTEX, READ_FRAGMENT);
-    program.use().setWhole({ uHeights: 0 });
-    if (map) bindTexture(gl, 0, map.texture);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
-    gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
-    this.#end();
-    gl.deleteFramebuffer(target);
-    gl.deleteTexture(texture);
-    gl.deleteProgram(program.program);
-    const heights = new Float32Array(bytes.buffer).map((depth) => this.origin[2] + depth * this.depth);
-    return { heights, columns: w, rows: h, cell: this.cell, origin: this.origin };
   }
 
   dispose() {

@@ -83,6 +83,3 @@ export function roundDown(x) {
   const power = 10 ** Math.floor(Math.log10(x) + 1e-9);
   return power * (x / power >= 5 - 1e-9 ? 5 : x / power >= 2 - 1e-9 ? 2 : 1);
 }
-
-/** A figure for people: four digits that matter. @param {number} x */
-export const figure = (x) => String(Number(x.toPrecision(4)));

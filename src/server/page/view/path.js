@@ -3,7 +3,7 @@
 import { bindTexture, LINE_GLSL, Program, RECTANGLE_GLSL, textureOf } from "./gl.js";
 import { at, real } from "./math.js";
 import { colorTable, paint } from "./colors.js";
-import { isJoined, MARK, marksOf, thinned, vertexCount } from "./timeline.js";
+import { DWELL, isJoined, MARK, marksOf, thinned, vertexCount } from "./timeline.js";
 /** @import { Coloring } from "./colors.js" */
 /** @import { Frame, GL } from "./gl.js" */
 /** @import { Vertices } from "./timeline.js" */
@@ -57,7 +57,7 @@ void main() {
   vColor = uLit.a > 0.0 ? uLit : vec4(own, kind == 0 ? 0.5 : 1.0);
   float share;
   vec2 run;
-  float width = uThin == 1 ? 0.0 : kind == 7 ? uWidth * 3.0 : uWidth;
+  float width = uThin == 1 ? 0.0 : kind >= ${DWELL} ? uWidth * 3.0 : uWidth;
   int which = uThin == 1 ? gl_VertexID % 2 : rectangleCorner();
   gl_Position = corner(which, start.xyz, end.xyz, width, share, run);
   vRun = vec3(run, mix(start.w, end.w, share));
@@ -79,7 +79,7 @@ void main() {
 
 export class PathLayer {
   /** Bit k: stretches of kind k are drawn. */
-  shown = 255;
+  shown = -1;
   /** What lies after this time in s is drawn fainter. */
   time = Infinity;
   /** @type {[number, number][]} first and last vertex of lit runs */ #lit = [];

@@ -1,9 +1,10 @@
 // What is drawn: path, part, stock, tool and material, made anew from the data when the context was lost.
 
+import { digits, placeText } from "../figures.js";
 import { countKinds, legendRows, materialRows } from "./colors.js";
 import { boxEdges, creases } from "./creases.js";
 import { Furniture } from "./grid.js";
-import { boxAround, boxOf, figure, placed } from "./math.js";
+import { boxAround, boxOf, placed } from "./math.js";
 import { Material } from "./material.js";
 import { Mesh } from "./mesh.js";
 import { PathLayer } from "./path.js";
@@ -11,7 +12,7 @@ import { PathBoxes } from "./pick.js";
 import { sizeOf } from "./labels.js";
 import { Surface } from "./surface.js";
 import { VIEW_TEXTS as TEXTS } from "../texts.js";
-import { isUpright, poseAt, stripOf } from "./timeline.js";
+import { isUpright, poseAt } from "./timeline.js";
 import { cutterOf, outlines, turned } from "./tool.js";
 import { KINDS } from "./types.js";
 /** @import { Ray } from "./camera.js" */
@@ -64,7 +65,7 @@ export class Scene {
     this.#pathBox = path ? boxOf(path.positions) : null;
     this.#pathLayer = path ? new PathLayer(this.#gl, path, this.#pathBox) : null;
     this.#boxes = this.#pathLayer ? new PathBoxes(this.#pathLayer.positions, this.#pathLayer.marks) : null;
-    this.#counts = countKinds(this.#pathLayer?.marks ?? new Uint8Array());
+    this.#counts = countKinds(path?.positions ?? new Float32Array(), this.#pathLayer?.marks ?? new Uint8Array());
     this.#pathLayer?.setColor(this.#colorBy);
     this.#refresh();
   }
@@ -233,9 +234,8 @@ export class Scene {
     const { index, t, point } = found;
     const [start = 0, end = 0] = [path.times[index - 1], path.times[index]];
     return {
-      index, block: path.blocks[index] ?? 0, kind: KINDS[path.kinds[index] ?? 1] ?? "cut",
+      block: path.blocks[index] ?? 0, kind: KINDS[path.kinds[index] ?? 1] ?? "cut",
       feed: path.feeds[index] ?? 0, time: start + (end - start) * t, point,
-      strip: stripOf(path.strips, index),
     };
   }
 
@@ -246,9 +246,6 @@ export class Scene {
     return this.#material?.part ? [...rows, ...materialRows(Surface.most(this.#material))] : rows;
   }
 
-  /** The heights of the material for tests; null where it is not shown. */
-  readHeights() { return this.#material?.readHeights() ?? null; }
-
   /** What is drawn, in words. @returns {string[]} */
   describe() {
     const kinds = KINDS.filter((name, k) => this.#counts[k] && this.isVisible(name));
@@ -258,8 +255,8 @@ export class Scene {
       this.path && TEXTS.path(count, kinds.map((name) => TEXTS.kinds[name] ?? name)),
       this.#material ? TEXTS.removal : this.part && this.isVisible("part") && TEXTS.part,
       this.stock && TEXTS.stock(sizeOf(this.stock)),
-      this.tool && TEXTS.tool(this.tool.shape, figure(this.tool.diameter_mm)),
-      this.tool && pose && TEXTS.toolAt(pose.point.map(figure), figure(this.path?.times[pose.vertex] ?? 0)),
+      this.tool && TEXTS.tool(this.tool.shape, digits(this.tool.diameter_mm)),
+      this.tool && pose && TEXTS.toolAt(pose.point.map(placeText), digits(this.path?.times[pose.vertex] ?? 0)),
     ];
     return words.filter((word) => typeof word === "string");
   }

@@ -1,7 +1,6 @@
 // The canvas as a stage: the WebGL2 context, its size, smooth edges at rest, and how long a frame takes.
 
 import { NoWebGL } from "./gl.js";
-import { VIEW_TEXTS as TEXTS } from "../texts.js";
 /** @import { Camera } from "./camera.js" */
 /** @import { Frame, GL, Theme } from "./gl.js" */
 
@@ -34,7 +33,7 @@ export class Stage {
   constructor(canvas) {
     this.#canvas = canvas;
     const gl = canvas.getContext("webgl2", { antialias: false, alpha: true, depth: true, stencil: false });
-    if (!gl) throw new NoWebGL(TEXTS.noWebGL);
+    if (!gl) throw new NoWebGL();
     /** @type {GL} */ this.gl = gl;
   }
 

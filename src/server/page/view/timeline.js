@@ -2,12 +2,16 @@
 
 import { at, clamp, mix, pointAt, real } from "./math.js";
 import { KINDS } from "./types.js";
-/** @import { PathData, Strip, Vec3 } from "./types.js" */
+/** @import { PathData, Vec3 } from "./types.js" */
 
 /** Bytes of a vertex in the table of `marks`: kind, colour, and the number of the strip in two bytes. */
 export const MARK = 4;
 /** Kind of a stretch whose kind is unknown. */
-const CUT = KINDS.indexOf("cut");
+export const CUT = KINDS.indexOf("cut");
+/** This kind and those after it are pauses, in which the tip stays. */
+export const DWELL = KINDS.indexOf("dwell");
+/** Shorter stretches are not seen, mm: a path of single precision tells their places no better. */
+const SEEN_MM = 1e-5;
 
 /** Least cosine of the lean of an axis that counts as upright: a thousandth of a rad. */
 const UPRIGHT = 0.9999995;
@@ -46,6 +50,17 @@ export function isJoined(marks, i) {
   return at(marks, m + 2) === at(marks, m - 2) && at(marks, m + 3) === at(marks, m - 1);
 }
 
+/** Whether a stretch is seen that ends at vertex `i`: as a line, or as a point where the tip stays.
+ * @param {Float32Array} positions @param {Uint8Array} marks @param {number} i */
+export function isSeen(positions, marks, i) {
+  if (!isJoined(marks, i)) return false;
+  if (at(marks, MARK * i) >= DWELL) return true;
+  for (let k = 3 * i; k < 3 * i + 3; k++) {
+    if (Math.abs(real(positions, k) - real(positions, k - 3)) > SEEN_MM) return true;
+  }
+  return false;
+}
+
 /** The first vertex that the tip reaches at `time` or later; the number of vertices after the end.
  * @param {Float32Array} times @param {number} time seconds */
 export function vertexAfter(times, time) {
@@ -82,10 +97,6 @@ export function isUpright(path) {
   }
   return true;
 }
-
-/** The strip that holds a vertex; null without one. @param {Strip[]} strips @param {number} vertex */
-export const stripOf = (strips, vertex) =>
-  strips.find((strip) => vertex >= strip.first && vertex < strip.first + strip.count) ?? null;
 
 /** Tells `keep` the vertices from `first` to `last` that are needed to follow the path within twice the
  * tolerance, in order. Ends of strips and changes of kind are always needed.

@@ -2,12 +2,12 @@
 
 /** Kinds of a stretch of the path; `PathData.kinds` holds indices into this list. */
 export const KINDS = Object.freeze(
-  /** @type {const} */ (["rapid", "cut", "plunge", "ramp", "lead_in", "link", "lead_out", "dwell"]));
+  /** @type {const} */ (["rapid", "cut", "plunge", "ramp", "lead_in", "link", "lead_out", "dwell", "turn"]));
 
 /** @typedef {[number, number, number]} Vec3 */
 /** @typedef {{min: Vec3, max: Vec3}} Box */
 /** `first` and `count` are vertices; passes and levels are counted from 1.
- *  @typedef {{first: number, count: number, name: string, pass: number, level: number|null}} Strip */
+ *  @typedef {{first: number, count: number, pass: number, level: number|null}} Strip */
 
 /** @typedef {object} PathData
  *  @property {Float32Array} positions   3n, mm
@@ -15,7 +15,6 @@ export const KINDS = Object.freeze(
  *  @property {Uint8Array} kinds         n, kind of the stretch that ends at the vertex: index into KINDS
  *  @property {Float32Array} feeds       n, mm/min (0: rapid)
  *  @property {Uint32Array} blocks       n, line of the NC text whose block ends here or later; 0: unknown
- *  @property {Float32Array|null} deviations  n, mm
  *  @property {Float32Array|null} axes   3n tool axis, null for always +z
  *  @property {Strip[]} strips           connected line strips */
 
@@ -35,13 +34,12 @@ export const KINDS = Object.freeze(
  *  @property {number|null} [length_mm]         from the tip to the lower end of the holder
  *  @property {HolderSection[]|null} [holder] */
 
-/** A stretch under the cursor. `index` is the vertex that ends the stretch, `point` lies on the stretch.
- *  @typedef {{index: number, block: number, kind: string, feed: number, time: number, point: Vec3,
- *    strip: Strip|null}} Hit */
+/** A stretch under the cursor; `point` lies on the stretch.
+ *  @typedef {{block: number, kind: string, feed: number, time: number, point: Vec3}} Hit */
 
-/** @typedef {"kind"|"feed"|"deviation"|"level"|"pass"} ColorBy */
+/** @typedef {"kind"|"feed"|"level"|"pass"} ColorBy */
 
-/** A row of the legend: a swatch (one colour) or a ramp (`from` to `to`, in `unit`).
+/** A row of the legend: a swatch (one colour, or none) or a ramp (`from` to `to`, in `unit`).
  *  `key` is the name that `View.setVisible` takes, or null where nothing can be switched.
  *  @typedef {{type: "swatch"|"ramp", label: string, key: string|null, colors: string[], dashed: boolean,
  *    visible: boolean, from: number|null, to: number|null, unit: string}} LegendRow */

@@ -3,7 +3,7 @@
 import { Camera } from "./camera.js";
 import { Controls } from "./input.js";
 import { Labels } from "./labels.js";
-import { clamp } from "./math.js";
+import { clamp, mix, norm, sub } from "./math.js";
 import { Scene } from "./scene.js";
 import { Stage } from "./stage.js";
 import { VIEW_TEXTS as TEXTS } from "../texts.js";
@@ -23,8 +23,19 @@ const [CUT_SHARE, ...CUT_MS] = /** @type {const} */ ([4, 60, 400]);
 const CUT_STEP_MS = 50;
 /** Cutting that takes longer, in ms, is told. */
 const TOLD_MS = 400;
+/** All is shown anew where the scene moves by more than this share of its size, or grows or shrinks by this factor. */
+const [MOVED, GROWN] = [0.5, 1.5];
 /** How far from a stretch the cursor finds it, in CSS pixels: to tell it, and to turn about it. */
 const [NEAR, NEAR_PIVOT] = [7, 40];
+
+/** Whether a scene lies elsewhere than the one before, or is much larger or smaller.
+ * @param {Box} box @param {Box} before */
+export function isElsewhere(box, before) {
+  const size = (/** @type {Box} */ { min, max }) => norm(sub(max, min)) || 1;
+  const factor = size(box) / size(before);
+  const middle = (/** @type {Box} */ { min, max }) => mix(min, max, 0.5);
+  return factor > GROWN || factor < 1 / GROWN || norm(sub(middle(box), middle(before))) > MOVED * size(before);
+}
 
 export class View {
   #camera = new Camera();
@@ -38,10 +49,11 @@ export class View {
   #cuttingSince = 0;
   /** What drawing the last frame took, in ms. */
   #drawingMs = 0;
-  #isFitted = false;
+  /** @type {Box|null} what was shown as a whole last */ #fitted = null;
   #isStale = true;
   #isLost = false;
   /** @type {Hit|null} */ #hovered = null;
+  /** Told when somebody has moved the camera by hand. @type {() => void} */ onsteer = () => {};
   #canvas;
   #stage;
   #labels;
@@ -61,7 +73,10 @@ export class View {
     this.#scene = new Scene(this.#stage.gl);
     this.#theme = this.#labels.theme();
     this.#controls = new Controls(canvas, this.#camera, {
-      moved: () => this.#move(),
+      moved: () => {
+        this.#move();
+        this.onsteer();
+      },
       pivot: (x, y) => this.#pivot(x, y),
       hovered: (place) => this.#hover(place),
       picked: (x, y) => this.#pick(x, y),
@@ -185,28 +200,10 @@ export class View {
   /** The rows of the legend: what the colours of path and material mean. @returns {LegendRow[]} */
   legend() { return this.#scene.legend(); }
 
-  /** The time when the tip is at the point of a hit, in s. @param {Hit} hit */
-  timeAt(hit) { return hit.time; }
-
-  /** Heights of the material, for tests; null where it is not shown. */
-  readHeights() { return this.#scene.readHeights(); }
-
-  /** Whether the picture is complete: in full detail, nothing moving, the material at the present time. */
-  get isAtRest() { return this.#request === 0 && this.#rest === undefined; }
-
   /** Reads the colours of the page again; needed where they change without the document's attributes. */
   refreshColors() {
     this.#theme = this.#labels.theme();
     this.#change();
-  }
-
-  /** The picture as a PNG in full detail. @returns {Promise<Blob>} @throws {Error} without a picture */
-  snapshot() {
-    this.#paint(false);
-    while (this.#bit) this.#goOn(this.#bit);
-    return new Promise((resolve, reject) => {
-      this.#canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error(TEXTS.noPicture))));
-    });
   }
 
   dispose() {
@@ -277,7 +274,7 @@ export class View {
     const frame = this.#stage.frame(this.#camera, this.#theme, coarse || isLong, coarse && this.#isSteered);
     this.#stage.draw(frame, () => this.#scene.draw(frame), isLong);
     this.#bit = isLong ? { frame, first: 0 } : null;
-    this.#labels.place(this.#camera, this.#camera.box);
+    this.#labels.place(this.#camera);
     this.#stage.wait();
     this.#drawingMs = performance.now() - drawing;
     this.#scene.learn(frame.coarse, this.#drawingMs);
@@ -320,7 +317,7 @@ export class View {
   #freshen() {
     if (this.#canvas.clientWidth === 0) {
       // A hidden canvas has no size; all is fitted when it is shown.
-      this.#isFitted = false;
+      this.#fitted = null;
       this.#isStale = true;
       return;
     }
@@ -343,13 +340,14 @@ export class View {
     const { box, sizedBox } = this.#scene;
     this.#labels.set(box, sizedBox);
     if (!box) {
-      this.#isFitted = false;
+      this.#fitted = null;
       return;
     }
     this.#camera.box = box;
     this.#scene.setFurniture(box, this.#theme);
-    if (!this.#isFitted) this.#jump();
-    this.#isFitted = true;
+    if (this.#fitted && !this.#camera.isFitted && !isElsewhere(box, this.#fitted)) return;
+    this.#jump();
+    this.#fitted = box;
   }
 
   /** Tells screen readers what is drawn. */

@@ -16,10 +16,12 @@ pub fn show(number: &Number, label: &Label) -> String {
     if label.unit == Some("s") { format!("{text} s ({})", clock(value)) } else { text }
 }
 
-/// `number` rounded for a column: with four digits that matter; a bound is rounded upward.
+/// `number` rounded for a column: with four digits that matter, lengths with three decimals at least; a bound
+/// is rounded upward.
 pub fn short(number: &Number, label: &Label) -> String {
     let Some(value) = number.as_f64().filter(|_| number.is_f64()) else { return number.to_string() };
-    let decimals = (DIGITS - 1 - magnitude(value)).max(0);
+    let least = if label.unit == Some("mm") { DECIMALS } else { 0 };
+    let decimals = (DIGITS - 1 - magnitude(value)).max(least);
     round_to(value, decimals, label.is_bound)
 }
 
@@ -58,9 +60,10 @@ mod tests {
     #[test]
     fn columns_have_four_digits_and_bounds_are_rounded_up() {
         for (name, value, expected) in [
-            ("x_mm", json!(3_551.317_158), "3551"),
-            ("x_mm", json!(70.521), "70.52"),
-            ("x_max_mm", json!(70.521), "70.53"),
+            ("z_mm", json!(-3_551.317_158), "-3551.317"),
+            ("area_mm2", json!(3_551.317_158), "3551"),
+            ("t_s", json!(70.521), "70.52"),
+            ("t_max_s", json!(70.521), "70.53"),
             ("x_mm", json!(0.009_470_222), "0.00947"),
             ("t_s", json!(7), "7"),
         ] {

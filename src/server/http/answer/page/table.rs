@@ -88,17 +88,16 @@ fn is_grid(value: &Value) -> bool {
     value.get(0).is_some_and(Value::is_object)
 }
 
-/// A list of objects as rows, with a column for each plain member of the first object. Tables within an
+/// A list of objects as rows, with a column for each plain member. Tables within an
 /// object follow below its row. `None` for other lists.
 fn as_grid(items: &[Value]) -> Option<String> {
-    let first = items.first()?.as_object()?;
+    let names = names(items)?;
     let is_inner = |name: &str| items.iter().any(|item| item.get(name).is_some_and(is_grid));
     let counts_another = |name: &str| name.strip_prefix("n_").is_some_and(is_inner);
-    let (inner, plain): (Vec<_>, Vec<_>) = first
-        .keys()
-        .take(MOST_MEMBERS)
+    let (inner, plain): (Vec<_>, Vec<_>) = names
+        .into_iter()
         .filter(|name| !counts_another(name))
-        .map(|name| (name.as_str(), Label::of(name)))
+        .map(|name| (name, Label::of(name)))
         .partition(|(name, _)| is_inner(name));
     let mut rows = head(plain.iter().map(|(_, label)| label));
     let width = plain.len().max(1);
@@ -123,9 +122,7 @@ fn as_grid(items: &[Value]) -> Option<String> {
 
 /// A list of objects as rows, of which lists are told by their lengths.
 fn as_plain_grid(items: &[Value]) -> Option<String> {
-    let first = items.first()?.as_object()?;
-    let columns: Vec<(&String, Label)> =
-        first.keys().take(MOST_MEMBERS).map(|name| (name, Label::of(name))).collect();
+    let columns: Vec<(&str, Label)> = names(items)?.into_iter().map(|name| (name, Label::of(name))).collect();
     let mut rows = head(columns.iter().map(|(_, label)| label));
     for item in items.iter().take(LONGEST_INNER) {
         let cells = columns.iter().map(|(name, label)| {
@@ -139,6 +136,18 @@ fn as_plain_grid(items: &[Value]) -> Option<String> {
     Some(rows + &left_out(items.len(), LONGEST_INNER, columns.len()))
 }
 
+/// The names of the members of objects, in the order in which they come. `None` for other lists.
+fn names(items: &[Value]) -> Option<Vec<&str>> {
+    items.first()?.as_object()?;
+    let mut names: Vec<&str> = Vec::new();
+    for name in items.iter().take(LONGEST_TABLE).filter_map(Value::as_object).flat_map(Map::keys) {
+        if names.len() < MOST_MEMBERS && !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    Some(names)
+}
+
 /// The first row of a list of objects: the names with their units.
 fn head<'a>(labels: impl Iterator<Item = &'a Label>) -> String {
     let unit = |label: &Label| label.unit.map_or(String::new(), |unit| format!(", {unit}"));
@@ -148,10 +157,9 @@ fn head<'a>(labels: impl Iterator<Item = &'a Label>) -> String {
 
 /// A value below a name with its unit.
 fn cell_of_column(value: &Value, label: &Label) -> String {
-    let label = Label { unit: None, ..label.clone() };
     match value {
-        Value::Number(number) => number::short(number, &label),
-        _ => cell(value, &label),
+        Value::Number(number) => number::short(number, label),
+        _ => cell(value, &Label { unit: None, ..label.clone() }),
     }
 }
 
@@ -216,6 +224,8 @@ mod tests {
             <tr class=\"inner\"><td colspan=\"2\">islands<table>\n<tr><th>area, mm\u{b2}</th></tr>\n\
             <tr><td>4</td></tr>\n<tr><td>9.5</td></tr>\n</table>\n</td></tr>\n</table>\n";
         assert_eq!(text, expected);
+        let text = table("candidates", &json!([{"a": 1}, {"a": 2, "invalid_because": "it gouges"}]));
+        assert!(text.contains("<th>invalid because</th>") && text.contains("it gouges"), "{text}");
         let long: Vec<Value> = (0..30).map(|k| json!({"a": k})).collect();
         let rows: Vec<Value> = (0..30).map(|_| json!({"z_mm": 1.0, "inner": long})).collect();
         let text = table("levels", &json!(rows));

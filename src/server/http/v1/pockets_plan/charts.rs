@@ -61,10 +61,13 @@ fn axis(choose_by: ChooseBy) -> &'static str {
     }
 }
 
-/// The times of cutting and of the rest, s; none without a path.
+/// The times of cutting and of the rest, s; none without a path. Only time at the feeds is told in two parts.
 fn times(candidate: &Candidate, choose_by: ChooseBy) -> Option<[f64; 2]> {
     let whole_s = candidate.figure(choose_by);
-    let other_s = candidate.non_cutting_time_s?.min(whole_s);
+    let other_s = match choose_by {
+        ChooseBy::Time => candidate.non_cutting_time_s?.min(whole_s),
+        ChooseBy::PaperTime | ChooseBy::TimeWithAcceleration => 0.0,
+    };
     whole_s.is_finite().then_some([whole_s - other_s, other_s])
 }
 

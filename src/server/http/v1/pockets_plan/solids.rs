@@ -6,7 +6,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use crate::http::answer::model::Solids;
+use crate::http::answer::model::{PART_CHORD_MM, Solids};
 use crate::http::error::ApiError;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::region::{Region, RegionError};
@@ -14,9 +14,6 @@ use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::pocketing::{Job, LevelOutlines, PocketError, Standing};
 use toolpathd_plot::gltf::Stock;
 use toolpathd_plot::solid::{self, Slab};
-
-/// The chord of round walls, mm.
-const CHORD_MM: f64 = 0.01;
 
 /// How far an assumed block reaches beyond the pocket, as a part of its largest extent in plan, and below its
 /// floor, as a part of its depth.
@@ -58,8 +55,8 @@ impl Bodies {
         let (top_z_mm, floor_z_mm) = (highest.top_z_mm, lowest.bottom_z_mm);
         let stock = self.stock.as_ref().map(|stock| stock.outlines.region(budget)).transpose()?;
         if stock.is_none() && self.has_open_edges {
-            let triangles = solid::triangles(&free, CHORD_MM, budget)?;
-            return Ok(Solids { part: None, stock: Some(Stock { triangles, is_assumed: false }) });
+            let triangles = solid::triangles(&free, PART_CHORD_MM, budget)?;
+            return Ok(Solids { stock: Some(Stock { triangles, is_assumed: false }), ..Solids::default() });
         }
         let is_assumed = stock.is_none();
         let whole = match stock {
@@ -68,22 +65,27 @@ impl Bodies {
         };
         let assumed_z_mm = floor_z_mm - BELOW * (top_z_mm - floor_z_mm);
         let bottom_z_mm = self.stock.as_ref().map_or(assumed_z_mm, |stock| stock.bottom_z_mm);
-        let mut slabs = Vec::with_capacity(free.len() + 1);
+        let mut slabs: Vec<Slab> = Vec::with_capacity(free.len() + 1);
+        let mut free_above: Option<Region> = None;
         for Slab { top_z_mm, bottom_z_mm: low_z_mm, region } in free {
-            let known: Option<&Slab> =
-                slabs.last().filter(|above: &&Slab| above.region.faces() == region.faces());
-            let region = match known {
-                Some(above) => above.region.clone(),
-                None => whole.difference(&region, budget)?,
+            let is_same = free_above.as_ref().is_some_and(|above| above.faces() == region.faces());
+            let standing = match slabs.last() {
+                Some(above) if is_same => above.region.clone(),
+                _ => whole.difference(&region, budget)?,
             };
-            slabs.push(Slab { top_z_mm, bottom_z_mm: low_z_mm.max(bottom_z_mm), region });
+            free_above = Some(region);
+            slabs.push(Slab { top_z_mm, bottom_z_mm: low_z_mm.max(bottom_z_mm), region: standing });
         }
         slabs.push(Slab { top_z_mm: floor_z_mm, bottom_z_mm, region: whole.clone() });
         slabs.retain(|slab| slab.top_z_mm > slab.bottom_z_mm);
-        let part = solid::triangles(&slabs, CHORD_MM, budget)?;
+        let part = solid::triangles(&slabs, PART_CHORD_MM, budget)?;
         let block = [Slab { top_z_mm, bottom_z_mm, region: whole }];
-        let triangles = solid::triangles(&block, CHORD_MM, budget)?;
-        Ok(Solids { part: Some(part), stock: Some(Stock { triangles, is_assumed }) })
+        let triangles = solid::triangles(&block, PART_CHORD_MM, budget)?;
+        Ok(Solids {
+            part: Some(part),
+            part_chord_mm: Some(PART_CHORD_MM),
+            stock: Some(Stock { triangles, is_assumed }),
+        })
     }
 
     /// What the levels leave free, from the top down.
@@ -122,4 +124,53 @@ fn block_around(free: &[Slab], budget: &Budget) -> Result<Region, RegionError> {
     let corners = [low, Point2::new(high.x, low.y), high, Point2::new(low.x, high.y)];
     let side = |k: usize| Segment::Line { start: corners[k], end: corners[(k + 1) % 4] };
     Region::on_the_left(&[(0..4).map(side).collect()], budget)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toolpathd_core::operations::pocketing::Outlines;
+    use toolpathd_plot::gltf::Triangles;
+
+    fn square(low: f64, high: f64) -> Vec<Segment> {
+        let corners = [[low, low], [high, low], [high, high], [low, high]].map(Point2::from);
+        (0..4).map(|k| Segment::Line { start: corners[k], end: corners[(k + 1) % 4] }).collect()
+    }
+
+    fn level(top_z_mm: f64, z_mm: f64, pocket: &[Vec<Segment>]) -> LevelOutlines {
+        LevelOutlines { top_z_mm, z_mm, pocket: pocket.to_vec(), uncut: Vec::new() }
+    }
+
+    /// The volumes of part and stock.
+    fn volumes(levels: Vec<LevelOutlines>) -> [f64; 2] {
+        let outlines = Outlines { boundary: square(0.0, 40.0), islands: Vec::new() };
+        let stock = Some(Standing { outlines, bottom_z_mm: -12.0 });
+        let Solids { part, stock, .. } =
+            Bodies { levels, stock, has_open_edges: false }.made(&Budget::unlimited()).unwrap();
+        let volume = |triangles: &Triangles| -> f64 {
+            let corners = |triangle: &[u32; 3]| triangle.map(|k| triangles.points[k as usize].coords);
+            triangles.triangles.iter().map(corners).map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0).sum()
+        };
+        [volume(&part.unwrap()), volume(&stock.unwrap().triangles)]
+    }
+
+    #[test]
+    fn the_part_is_the_stock_without_what_each_level_leaves_free() {
+        let (wide, narrow, whole) = ([square(10.0, 30.0)], [square(15.0, 25.0)], [square(0.0, 40.0)]);
+        let stock = 1600.0 * 12.0;
+        for (levels, free) in [
+            (vec![level(0.0, -2.0, &wide), level(-2.0, -4.0, &wide), level(-4.0, -6.0, &wide)], 400.0 * 6.0),
+            (vec![level(0.0, -3.0, &wide), level(-3.0, -5.0, &narrow)], 400.0 * 3.0 + 100.0 * 2.0),
+            // Nothing stands beside the upper levels, and nothing is free on the lower ones.
+            (vec![level(0.0, -2.5, &whole), level(-2.5, -5.0, &whole), level(-5.0, -7.5, &[])], 1600.0 * 5.0),
+            // Below the stock nothing is left.
+            (vec![level(0.0, -14.0, &wide)], 400.0 * 12.0),
+        ] {
+            let [part, raw] = volumes(levels);
+            assert!(
+                (raw - stock).abs() < 1e-6 && (part - (stock - free)).abs() < 1e-6,
+                "{part} {raw} {free}"
+            );
+        }
+    }
 }

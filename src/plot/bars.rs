@@ -1,7 +1,7 @@
 //! Draws times as bars, on SVG sheets: A4 landscape. A chart compares several ways to do the same work.
 //!
 //! # Method
-//! The charts stand in a grid, six on a sheet, and on as many sheets as are needed. All charts of the same
+//! A sheet has up to six charts, in a grid; more charts go on further sheets. All charts of the same
 //! group share one scale, so that their bars can be compared. A bar has two parts, one after the other. A
 //! bar that is not valid has an outline only, with the reason in it.
 //!

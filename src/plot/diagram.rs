@@ -175,7 +175,8 @@ fn ticks(low: f64, high: f64, intervals: f64) -> Vec<(f64, String)> {
     (0..=count).map(|k| (value(k), with_decimals(value(k), step.decimals()))).collect()
 }
 
-/// A course in at most so many columns of the same time, each with its least and its largest value.
+/// Thins a course: divides its time into about `most` equal parts, and keeps the least and the largest value
+/// of each part. A course of at most `2 * most` values stays as it is.
 pub fn thinned(course: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
     match course.last() {
         Some([end, _]) if course.len() > 2 * most => extremes(course.iter().copied(), end / most as f64),

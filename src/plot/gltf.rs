@@ -22,8 +22,9 @@
 //! scene.
 //!
 //! # Cost
-//! O(n) for n vertices. Curves have at most [`MOST_VERTICES`] vertices, or about four for each move if that
-//! is more, and turns of the tool axis as many again.
+//! O(n) for n vertices. Curves have at most [`MOST_VERTICES`] vertices together; a toolpath with very many
+//! moves has up to four for each move. Turns of the tool axis add at most [`MOST_VERTICES`], and one for each
+//! move.
 
 mod container;
 mod path;
@@ -86,7 +87,8 @@ pub struct Content<'a> {
     pub rapid_feed: FeedRate,
     /// For each move the line of the program that ends it, from 1 on. Empty where no program is written.
     pub lines: &'a [u32],
-    /// What is told of passes: from the pass with the index on, up to the next.
+    /// Names of passes: each with the index of the first pass that has the name. The passes up to the next
+    /// index have the same name.
     pub names: &'a [(usize, String)],
     pub part: Option<&'a Triangles>,
     /// How far the part may be from its triangles, mm, if it is known.

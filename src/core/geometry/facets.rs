@@ -12,8 +12,9 @@
 //! included.
 //!
 //! # Degenerate input
-//! A surface that needs more cells in a direction than the caller allows gets as many, and its distance is
-//! stated. Where there are more patches than cells, or a derivative has no bound, no distance is known.
+//! Where the caller allows fewer cells than the distance needs, the triangles are farther from the surface,
+//! and the stated distance is larger than the asked one. Where there are more patches than cells, or a
+//! derivative has no bound, no distance is stated.
 //!
 //! # Cost
 //! O(c + m) for c cells and m patches.
@@ -91,7 +92,7 @@ impl Bend {
             along_u *= missing.sqrt();
             along_v *= missing.sqrt();
         }
-        // What is not finite becomes the largest number.
+        // Without a finite bound of a derivative, the patch gets as many cells as are allowed.
         [along_u, along_v].map(|count| (count.ceil() as usize).clamp(1, most))
     }
 

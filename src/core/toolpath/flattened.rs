@@ -2,7 +2,8 @@
 //!
 //! # Guarantees
 //! * Each point of a move lies within the stated chord of the lines between the points.
-//! * There are at most as many points as the caller allows, or about four for each move if that is more.
+//! * The caller says how many points are allowed. Only a toolpath with very many moves has more: then about
+//!   four for each move.
 //!
 //! # Cost
 //! O(n + p) for n moves and p points.

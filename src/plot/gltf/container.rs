@@ -170,7 +170,7 @@ impl Document {
         if let Some(indices) = indices {
             primitive["indices"] = json!(indices);
         }
-        // The last material is that of lines.
+        // Lines have the last material, behind those of the solids.
         primitive["material"] = json!(look.map_or(MATERIALS.len(), |look| look as usize));
         self.meshes.push(json!({ "name": name, "primitives": [primitive] }));
         self.meshes.len() - 1

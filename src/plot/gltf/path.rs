@@ -14,7 +14,7 @@ use toolpathd_core::toolpath::tool_axes::{angle_between, between};
 /// The largest turn of the tool axis between two vertices, radians, unless there are too many.
 const LARGEST_TURN: f64 = 0.05;
 
-/// Most passes with a node each. Those of longer toolpaths share nodes.
+/// Up to so many passes have a node each. In a toolpath with more passes, several passes share a node.
 const MOST_NODES: usize = 2000;
 
 /// The numbers of a dwell and of a way that is not known among the kinds.

@@ -31,11 +31,11 @@ pub struct Area {
     /// The report of each level, and its outlines.
     pub reports: Vec<(LevelReport, LevelOutlines)>,
     pub finished: Vec<Finished>,
-    /// What is cut on each level.
+    /// The chosen route and the conditions of each level.
     cuts: Vec<Cut>,
 }
 
-/// What is cut on a level, and how.
+/// The chosen route of a level, and the conditions under which it is cut.
 struct Cut {
     chosen: Chosen,
     conditions: Conditions,

@@ -15,6 +15,7 @@
 
 pub mod check;
 mod contract;
+pub mod files;
 mod foreign;
 mod json;
 pub mod object;
@@ -32,6 +33,7 @@ use super::messages::Warning;
 use super::pointer::Pointer;
 use crate::config::Limits;
 use contract::{Checked, Contract};
+use files::{FileReading, SentFiles};
 use json::{Unread, text_of};
 use object::Object;
 use toolpathd_core::budget::Budget;
@@ -39,6 +41,12 @@ use toolpathd_core::budget::Budget;
 /// A wire type of requests that can be converted to a job.
 pub trait IntoJob: DeserializeOwned + ToSchema + Send + 'static {
     type Job: Send + 'static;
+
+    /// The job of a body that has files and no part `job`. `None` where the body needs the part.
+    const JOB_OF_FILES: Option<&'static str> = None;
+
+    /// Puts what files hold in the place of the references to them.
+    fn read_files(&mut self, _: &mut FileReading) {}
 
     /// Puts right in the request what is unambiguous, and tells what.
     fn put_right(&mut self, _: &Limits) -> Vec<Warning> {
@@ -59,8 +67,11 @@ pub struct SentJob<J> {
 }
 
 impl<J> SentJob<J> {
-    fn of<T: IntoJob<Job = J>>(mut request: T, limits: &Limits) -> Result<Self, ApiError> {
-        let remarks = request.put_right(limits);
+    fn of<T: IntoJob<Job = J>>(mut request: T, mut reading: FileReading) -> Result<Self, ApiError> {
+        let limits = reading.limits;
+        request.read_files(&mut reading);
+        let mut remarks = reading.result()?;
+        remarks.extend(request.put_right(limits));
         Ok(Self { job: request.into_job(limits)?, remarks })
     }
 }
@@ -70,6 +81,20 @@ impl<J> SentJob<J> {
 /// # Errors
 /// `malformed_json`, or `invalid_request` with every violation; the reason when `budget` ends.
 pub fn job<T: IntoJob>(body: &[u8], limits: &Limits, budget: &Budget) -> Result<SentJob<T::Job>, ApiError> {
+    job_with_files::<T>(body, &SentFiles::default(), limits, budget)
+}
+
+/// As [`job`], for a body with files beside it.
+///
+/// # Errors
+/// As [`job`].
+pub fn job_with_files<T: IntoJob>(
+    body: &[u8],
+    files: &SentFiles,
+    limits: &Limits,
+    budget: &Budget,
+) -> Result<SentJob<T::Job>, ApiError> {
+    let reading = || FileReading::new(files, limits, budget);
     let text = text_of(body)?;
     let unread = |unread| match unread {
         Unread::NotJson => json::fault(text, budget),
@@ -79,11 +104,11 @@ pub fn job<T: IntoJob>(body: &[u8], limits: &Limits, budget: &Budget) -> Result<
     let Checked { mut violations, is_refused } = contract.check(text, budget).map_err(unread)?;
     if !is_refused {
         if let Ok(Object(request)) = serde_json::from_str::<Object<T>>(text) {
-            return SentJob::of(request, limits);
+            return SentJob::of(request, reading());
         }
         let written = contract.written(text, budget).map_err(unread)?;
         if let Ok(Object(request)) = serde_json::from_str::<Object<T>>(&written) {
-            return SentJob::of(request, limits);
+            return SentJob::of(request, reading());
         }
     }
     if violations.total() == 0 {

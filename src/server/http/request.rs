@@ -7,6 +7,7 @@ pub mod accept;
 pub mod arrival;
 pub mod body;
 pub mod coding;
+pub mod multipart;
 pub mod negotiation;
 pub mod representation;
 pub mod request_id;

@@ -47,6 +47,12 @@ pub enum FieldCode {
     /// z is exchanged with another axis.
     ExchangedAxes,
     FeedRequired,
+    /// The request has no such file, or nothing refers to the file.
+    UnknownFile,
+    /// The file breaks its format, or holds nothing of what is asked for; `detail` tells the place in it.
+    UnreadableFile,
+    /// The file states no unit of length.
+    UnitMissing,
     /// The control would refuse the word of the program; `line` and `column` say where it stands.
     RefusedWord,
 }

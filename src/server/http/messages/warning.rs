@@ -121,6 +121,16 @@ pub enum WarningCode {
     ProgramRepeats,
     /// The two radii of arcs differ, and exact arcs stand for them.
     ArcsMadeExact,
+    /// Parts of a file are left out.
+    FileLeftOut,
+    /// Gaps between curves of a drawing are bridged.
+    GapsBridged,
+    /// Arcs and lines stand for splines and ellipses of a drawing.
+    CurvesFitted,
+    /// Curves of a drawing make no closed loop.
+    OpenCurves,
+    /// Points in any order are put into rows.
+    PointsGridded,
     /// Whether centres are incremental or absolute was found from the arcs.
     CentersAssumed,
     /// A setting of the control decides what a word means, and one of its values is taken.

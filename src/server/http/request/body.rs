@@ -11,6 +11,7 @@ use axum::http::{HeaderMap, header};
 use tokio::time::timeout;
 
 use super::coding::{Coding, gunzip};
+use super::multipart::{self, FORM_DATA, Parts};
 use super::representation::GCODE;
 use crate::config::{Limits, Settings};
 use crate::http::byte_limit::HeldBytes;
@@ -99,7 +100,7 @@ pub struct JobBody<T: IntoJob> {
 
 /// Makes a job from the bytes of a body.
 type Make<T> =
-    dyn Fn(&[u8], &Limits, &Budget) -> Result<SentJob<<T as IntoJob>::Job>, ApiError> + Send + Sync;
+    dyn Fn(&Bytes, &Limits, &Budget) -> Result<SentJob<<T as IntoJob>::Job>, ApiError> + Send + Sync;
 
 impl<T: IntoJob> JobBody<T> {
     /// Whether the body has at most [`SHORT_BYTES`] as it was sent.
@@ -143,7 +144,7 @@ impl<T: IntoJob> JobBody<T> {
         limits: BodyLimits,
         make: impl Fn(&[u8], &Limits) -> Result<T::Job, ApiError> + Send + Sync + 'static,
     ) -> Result<Self, ApiError> {
-        let make = move |text: &[u8], limits: &_, _: &_| {
+        let make = move |text: &Bytes, limits: &_, _: &_| {
             Ok(SentJob { job: make(text, limits)?, remarks: Vec::new() })
         };
         let body = SentBody::read(request, limits).await?;
@@ -153,7 +154,7 @@ impl<T: IntoJob> JobBody<T> {
     /// The same body, whose job goes through `change`.
     pub fn then(self, change: impl Fn(T::Job) -> T::Job + Send + Sync + 'static) -> Self {
         let Self { body, bytes_for_each, make } = self;
-        let make = move |bytes: &[u8], limits: &_, budget: &_| {
+        let make = move |bytes: &Bytes, limits: &_, budget: &_| {
             let SentJob { job, remarks } = make(bytes, limits, budget)?;
             Ok(SentJob { job: change(job), remarks })
         };
@@ -167,7 +168,7 @@ impl<T: IntoJob> JobBody<T> {
         change: impl Fn(T::Job, &[u8]) -> Result<T::Job, ApiError> + Send + Sync + 'static,
     ) -> Self {
         let Self { body, bytes_for_each, make } = self;
-        let make = move |bytes: &[u8], limits: &_, budget: &_| {
+        let make = move |bytes: &Bytes, limits: &_, budget: &_| {
             let SentJob { job, remarks } = make(bytes, limits, budget)?;
             Ok(SentJob { job: change(job, bytes)?, remarks })
         };
@@ -197,13 +198,35 @@ where
     type Rejection = ApiError;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
-        check_content_type(request.headers())?;
-        Ok(Self {
-            body: SentBody::read(request, BodyLimits::from_ref(state)).await?,
-            bytes_for_each: BYTES_FOR_EACH,
-            make: Arc::new(decode::job::<T>),
-        })
+        let make = maker::<T>(request.headers())?;
+        let body = SentBody::read(request, BodyLimits::from_ref(state)).await?;
+        Ok(Self { body, bytes_for_each: BYTES_FOR_EACH, make })
     }
+}
+
+/// What makes a job from a body with these headers.
+///
+/// # Errors
+/// `unsupported_media_type`; `bad_request` where the parts of a body have no boundary.
+fn maker<T: IntoJob>(headers: &HeaderMap) -> Result<Arc<Make<T>>, ApiError> {
+    if !is_multipart(headers) {
+        check_content_type(headers)?;
+        return Ok(Arc::new(|text: &Bytes, limits: &_, budget: &_| decode::job::<T>(text, limits, budget)));
+    }
+    let boundary = multipart::boundary(headers)?;
+    Ok(Arc::new(move |body: &Bytes, limits: &_, budget: &_| {
+        let Parts { job, files } = multipart::parts(body.clone(), &boundary)?;
+        let job = job.or(T::JOB_OF_FILES.map(|text| Bytes::from_static(text.as_bytes()))).ok_or_else(|| {
+            let detail = "the body has no part `job`: send the job in JSON, as `-F job=@job.json`";
+            ApiError::new(Code::BadRequest, detail)
+        })?;
+        decode::job_with_files::<T>(&job, &files, limits, budget)
+    }))
+}
+
+/// Whether a body with these headers has parts.
+pub fn is_multipart(headers: &HeaderMap) -> bool {
+    media_type(headers).is_some_and(|name| name == FORM_DATA)
 }
 
 /// The media type of the body, without parameters, in lower case.
@@ -222,7 +245,8 @@ fn check_content_type(headers: &HeaderMap) -> Result<(), ApiError> {
         || (essence.starts_with("application/") && essence.ends_with("+json"))
         || essence == "application/x-www-form-urlencoded";
     if !is_json {
-        let detail = format!("`{essence}` is not read here; send `application/json`");
+        let detail =
+            format!("`{essence}` is not read here; send `application/json`, or `{FORM_DATA}` for files");
         return Err(ApiError::new(Code::UnsupportedMediaType, detail));
     }
     Ok(())

@@ -10,6 +10,7 @@ ENV RUSTFLAGS="-C target-feature=+crt-static"
 COPY Cargo.toml Cargo.lock ./
 COPY src/core/Cargo.toml src/core/
 COPY src/nc/Cargo.toml src/nc/
+COPY src/part/Cargo.toml src/part/
 COPY src/post/Cargo.toml src/post/
 COPY src/plot/Cargo.toml src/plot/
 COPY src/server/Cargo.toml src/server/
@@ -18,7 +19,7 @@ COPY benches benches
 # Empty files stand for the other targets that the manifests name, so that Cargo builds the dependencies alone.
 RUN mkdir -p tests/real/controller tests/real/programs \
     && echo 'fn main() {}' > src/main.rs \
-    && touch src/core/lib.rs src/nc/lib.rs src/post/lib.rs src/plot/lib.rs src/server/lib.rs \
+    && touch src/core/lib.rs src/nc/lib.rs src/part/lib.rs src/post/lib.rs src/plot/lib.rs src/server/lib.rs \
         tests/real/controller/main.rs tests/real/programs/main.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && rm -r src benches

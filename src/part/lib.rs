@@ -9,6 +9,7 @@
 pub mod drawing;
 pub mod dxf;
 pub mod fault;
+pub mod format;
 pub mod left_out;
 pub mod points;
 pub mod unit;

@@ -122,10 +122,22 @@ impl Rows {
         let mut left_out = LeftOuts::default();
         for column in (0..n_columns).filter(|column| !columns.contains(&Some(*column))) {
             let name = header.name(column).map_or_else(|| format!("column {}", column + 1), str::to_owned);
-            left_out.add(&name, "it is no coordinate", Place::Line(lines.first().copied().unwrap_or(1).into()));
+            left_out.add(
+                &name,
+                "it is no coordinate",
+                Place::Line(lines.first().copied().unwrap_or(1).into()),
+            );
         }
         let (points, lines) = without_doubles(points, lines, &mut left_out);
-        PointText { points, lines, unit: header.unit(), writing, n_columns, columns, left_out: left_out.list() }
+        PointText {
+            points,
+            lines,
+            unit: header.unit(),
+            writing,
+            n_columns,
+            columns,
+            left_out: left_out.list(),
+        }
     }
 }
 

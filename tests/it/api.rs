@@ -21,6 +21,7 @@ mod negotiation;
 mod operation;
 mod outlines;
 mod page;
+mod parts;
 mod points;
 mod programs;
 mod reading;

@@ -14,7 +14,7 @@
 
 use toolpathd_core::budget::{Budget, Stopped};
 
-/// What part of the spacing the nearest neighbours may be apart from each other's rows, to divide rows.
+/// The part of the least spacing by which two points are apart if they belong to different rows.
 const PART_OF_SPACING: f64 = 0.5;
 
 /// The quantile of the distances to the nearest neighbour that counts as the least spacing.
@@ -113,7 +113,8 @@ pub fn grid(points: &[[f64; 3]], within: Option<f64>, budget: &Budget) -> Result
 fn middle(points: &[[f64; 3]]) -> [f64; 2] {
     [0, 1].map(|axis| {
         let values = points.iter().map(|point| point[axis]);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        let (low, high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         0.5 * (low + high)
     })
 }
@@ -150,7 +151,8 @@ fn nearest(plan: &[[f64; 2]], budget: &Budget) -> Result<Vec<[f64; 2]>, Stopped>
             if free > 0.0 && free * free > best_squared {
                 break;
             }
-            for other in ring_cells([i, j], ring, across).flat_map(|at| in_cell(key(at))).filter(|o| *o != k) {
+            for other in ring_cells([i, j], ring, across).flat_map(|at| in_cell(key(at))).filter(|o| *o != k)
+            {
                 let way = [plan[other][0] - p[0], plan[other][1] - p[1]];
                 let squared = way[0] * way[0] + way[1] * way[1];
                 if squared < best_squared {
@@ -193,11 +195,8 @@ fn refined(plan: &[[f64; 2]], mut angle: f64, spacing: f64, budget: &Budget) -> 
     let mut reach = FIRST_REACH * spacing;
     loop {
         budget.check()?;
-        let near: Vec<[f64; 2]> = plan
-            .iter()
-            .filter(|p| p[0].abs().max(p[1].abs()) <= reach)
-            .map(|&p| turned(p, -angle))
-            .collect();
+        let near: Vec<[f64; 2]> =
+            plan.iter().filter(|p| p[0].abs().max(p[1].abs()) <= reach).map(|&p| turned(p, -angle)).collect();
         angle += slope(&near, spacing);
         if reach > 2.0 * whole {
             return Ok(angle);

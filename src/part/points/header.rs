@@ -57,20 +57,18 @@ fn axis_of(name: &str) -> String {
 /// The unit that stands in a line.
 fn unit_of(line: &str) -> Option<Unit> {
     let line = line.to_lowercase();
-    let is_word = |c: char| c.is_alphanumeric() || ['µ', 'μ', '"'].contains(&c);
+    let is_in_word = |c: char| c.is_alphanumeric();
     let speaks_of_unit = line.contains("unit") || line.contains("einheit");
-    let mut before = ' ';
-    for (start, word) in line.split(|c| !is_word(c)).filter(|word| !word.is_empty()).map(|word| {
-        // The words are parts of the line, so their places follow from their addresses.
-        (word.as_ptr() as usize - line.as_ptr() as usize, word)
-    }) {
-        if let Some(c) = line[..start].chars().next_back() {
-            before = c;
-        }
-        let is_marked = ['[', '(', '_', '/', '='].contains(&before) || speaks_of_unit;
-        if let Some(unit) = named(word).filter(|_| is_marked && start > 0) {
+    let mut rest = line.as_str();
+    while let Some(start) = rest.find(is_in_word) {
+        let before = rest[..start].chars().next_back();
+        let word = &rest[start..];
+        let (word, behind) = word.split_at(word.find(|c| !is_in_word(c)).unwrap_or(word.len()));
+        let is_marked = before.is_some_and(|before| speaks_of_unit || "[(_/=".contains(before));
+        if let Some(unit) = named(word).filter(|_| is_marked) {
             return Some(unit);
         }
+        rest = behind;
     }
     None
 }

@@ -24,7 +24,8 @@ impl Writing {
         } else {
             &[(' ', false), (' ', true), (',', false)]
         };
-        let all = candidates.iter().map(|&(separator, has_decimal_comma)| Self { separator, has_decimal_comma });
+        let all =
+            candidates.iter().map(|&(separator, has_decimal_comma)| Self { separator, has_decimal_comma });
         let mut fitting = all.filter(|writing| writing.numbers(line).is_ok_and(|numbers| numbers.len() > 1));
         fitting.next()
     }
@@ -44,7 +45,9 @@ impl Writing {
     }
 
     fn number(self, word: &str) -> Result<f64, String> {
-        if word.is_empty() || ["nan", "null", "none", "n/a", "-"].contains(&word.to_ascii_lowercase().as_str()) {
+        if word.is_empty()
+            || ["nan", "null", "none", "n/a", "-"].contains(&word.to_ascii_lowercase().as_str())
+        {
             return Err("a number is missing: leave the line out".to_owned());
         }
         let not_read = || format!("`{}` is no number", word.chars().take(40).collect::<String>());

@@ -38,6 +38,7 @@ pub use examples::{example, folder as example_folder};
         (name = "curves", description = "Curves in the plane, and points"),
         (name = "surfaces", description = "Sculptured surfaces"),
         (name = "pockets", description = "Pockets and islands"),
+        (name = "parts", description = "Files of parts"),
         (name = "five-axis", description = "Tips and tool axes"),
         (name = "programs", description = "NC programs"),
         (name = "dnc", description = "Programs sent to controls"),
@@ -57,6 +58,7 @@ pub fn routes() -> OpenApiRouter<Arc<App>> {
         .routes(routes!(v1::surfaces_drop::drop_cutter))
         .routes(routes!(v1::surfaces_mill::mill_surface))
         .routes(routes!(v1::surfaces_model::model_surface))
+        .routes(routes!(v1::parts_inspect::inspect_part))
         .routes(routes!(v1::pockets_plan::plan_pocket))
         .routes(routes!(v1::programs_read::read_program))
         .routes(routes!(v1::programs_verify::verify_program))

@@ -7,6 +7,7 @@ pub mod dnc;
 pub mod five_axis_smooth;
 pub mod limits;
 pub mod machines;
+pub mod parts_inspect;
 pub mod pockets_plan;
 pub mod programs_read;
 pub mod programs_verify;

@@ -30,7 +30,19 @@ pub enum Body {
     Joined(String),
     /// `--data-binary @FILE` and `-T FILE`: the file as it is.
     Whole(String),
+    /// `-F NAME=@FILE` and `-F NAME=TEXT`: the names of the parts, each with a file or a text.
+    Parts(Vec<(String, Part)>),
 }
+
+/// A part of a form.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Part {
+    File(String),
+    Text(String),
+}
+
+/// The line between the parts of a form.
+const BOUNDARY: &str = "----------boundary";
 
 /// An answer over a socket.
 #[derive(Debug)]
@@ -107,6 +119,14 @@ impl Curl {
                         (None, _) => Body::Text(data),
                     });
                 }
+                "-F" => {
+                    method = "POST";
+                    let part = part(&value()?)?;
+                    match &mut body {
+                        Some(Body::Parts(parts)) => parts.push(part),
+                        _ => body = Some(Body::Parts(vec![part])),
+                    }
+                }
                 "-T" => {
                     method = "PUT";
                     body = Some(Body::Whole(value()?));
@@ -124,8 +144,12 @@ impl Curl {
         let target = url.and_then(|url| url.strip_prefix(WRITTEN_ADDRESS));
         let target = target.ok_or(format!("the address does not begin with {WRITTEN_ADDRESS}"))?;
         if method == "POST" && headers.iter().all(|(name, _)| name != "content-type") {
-            // Curl sends this content type with `--data` unless a header names another one.
-            headers.push(("content-type".into(), "application/x-www-form-urlencoded".into()));
+            // Curl sends these content types unless a header names another one.
+            let media_type = match &body {
+                Some(Body::Parts(_)) => format!("multipart/form-data; boundary={BOUNDARY}"),
+                _ => "application/x-www-form-urlencoded".to_owned(),
+            };
+            headers.push(("content-type".into(), media_type));
         }
         if headers.iter().all(|(name, _)| name != "accept") {
             headers.push(("accept".into(), "*/*".into()));
@@ -147,6 +171,7 @@ impl Curl {
                 bytes(name).into_iter().filter(|byte| !b"\r\n\0".contains(byte)).collect()
             }
             Some(Body::Whole(name)) => bytes(name),
+            Some(Body::Parts(parts)) => form(parts, bytes),
         };
         let mut head = format!("{} {} HTTP/1.1\r\nhost: {address}\r\n", self.method, self.target);
         for (name, value) in &self.headers {
@@ -160,6 +185,35 @@ impl Curl {
         stream.read_to_end(&mut answer).expect("an answer");
         Answer::of(&answer)
     }
+}
+
+/// The part that a value of `-F` describes.
+fn part(value: &str) -> Result<(String, Part), String> {
+    let (name, content) = value.split_once('=').ok_or(format!("{value} is no part"))?;
+    let part = match content.strip_prefix('@') {
+        Some(file) => Part::File(file.to_owned()),
+        None => Part::Text(content.to_owned()),
+    };
+    Ok((name.to_owned(), part))
+}
+
+/// The body of a form, as curl sends it: each file with its name without folders.
+fn form(parts: &[(String, Part)], bytes: impl Fn(&String) -> Vec<u8>) -> Vec<u8> {
+    let mut body = Vec::new();
+    for (name, part) in parts {
+        let (file_name, content) = match part {
+            Part::File(file) => {
+                let last = file.rsplit('/').next().unwrap_or(file);
+                (format!("; filename=\"{last}\""), bytes(file))
+            }
+            Part::Text(text) => (String::new(), text.clone().into_bytes()),
+        };
+        let head =
+            format!("--{BOUNDARY}\r\nContent-Disposition: form-data; name=\"{name}\"{file_name}\r\n\r\n");
+        body.extend([head.as_bytes(), &content, b"\r\n"].concat());
+    }
+    body.extend(format!("--{BOUNDARY}--\r\n").into_bytes());
+    body
 }
 
 impl Answer {

@@ -41,10 +41,7 @@ fn faults_of(path: &str, address: SocketAddr) -> Vec<String> {
     let markdown = read(path);
     let blocks = blocks(&markdown);
     // Files that a reader has beside those of the package.
-    let mut files: HashMap<String, Vec<u8>> = HashMap::new();
-    if let Some((name, body)) = recipe::body_of(&blocks) {
-        files.insert(name, body);
-    }
+    let mut files: HashMap<String, Vec<u8>> = recipe::files_of(&blocks).into_iter().collect();
     let mut faults = Vec::new();
     let mut n_commands = 0;
     for (index, block) in blocks.iter().enumerate().filter(|(_, block)| block.language == "sh") {

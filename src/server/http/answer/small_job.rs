@@ -15,6 +15,7 @@ use toolpathd_core::toolpath::tool::{Shape, Tool};
 
 use crate::http::dto::dropping::DropJob;
 use crate::http::dto::five_axis::SmoothJob;
+use crate::http::dto::inspection::Inspection;
 use crate::http::dto::modelling::ModelJob;
 use crate::http::dto::program_reading::ProgramReading;
 use crate::http::dto::program_writing::Writing;
@@ -41,6 +42,9 @@ const POSES: usize = 250;
 /// The narrowest band of a small job, mm; a wider band needs fewer elements. Within this one, a curve takes a
 /// few elements for each mm, and half a second in all.
 const BAND_MM: f64 = 1e-4;
+
+/// Bytes of a file that are read in half a second.
+const INSPECTED_BYTES: usize = 2_000_000;
 
 /// A job whose work can be estimated.
 pub trait SmallJob {
@@ -69,6 +73,12 @@ impl SmallJob for pocketing::Job {
     /// Pockets of a usual size take longer than half a second.
     fn is_small(&self) -> bool {
         false
+    }
+}
+
+impl SmallJob for Inspection {
+    fn is_small(&self) -> bool {
+        self.bytes.len() <= INSPECTED_BYTES
     }
 }
 

@@ -140,6 +140,23 @@ impl Contract {
         })
     }
 
+    /// The objects among the choices for a value, where there are several, and the kinds by which they are told
+    /// apart. One of them may have no kind.
+    fn objects<'a>(&'a self, asked: &Asked<'a>) -> Vec<(Option<&'a str>, Asked<'a>)> {
+        // Only references to named schemas are several objects.
+        if asked.choices.iter().filter(|choice| matches!(choice, RefOr::Ref(_))).count() < 2 {
+            return Vec::new();
+        }
+        let objects = asked.choices.iter().filter_map(|choice| match self.resolved(choice)? {
+            (name, schema @ Schema::Object(object)) if type_of(&object.schema_type) == Type::Object => {
+                Some((kind_of(object), Asked { usual: Some((name, schema)), choices: &[] }))
+            }
+            _ => None,
+        });
+        let objects: Vec<_> = objects.collect();
+        if objects.len() > 1 { objects } else { Vec::new() }
+    }
+
     /// What a schema expects, for people.
     fn expectation(&self, schema: &Schema) -> String {
         match schema {
@@ -166,6 +183,14 @@ impl Contract {
             }
             _ => format!("an array of {length}"),
         }
+    }
+}
+
+/// The only legal text of the member `kind` of an object.
+fn kind_of(object: &Object) -> Option<&str> {
+    match object.properties.get("kind")? {
+        RefOr::T(Schema::Object(kind)) => kind.enum_values.as_ref()?.first()?.as_str(),
+        _ => None,
     }
 }
 

@@ -86,6 +86,20 @@ pub fn kind_of<E: Error>(object: &RawValue) -> Result<String, E> {
     decode::<Tag, E>(object).map(|tag| tag.kind)
 }
 
+#[derive(Deserialize)]
+struct OptionalTag {
+    #[serde(default)]
+    kind: Option<String>,
+}
+
+/// The `kind` of an object that may have none.
+///
+/// # Errors
+/// When there is no object, or its `kind` is no text.
+pub fn optional_kind_of<E: Error>(object: &RawValue) -> Result<Option<String>, E> {
+    decode::<OptionalTag, E>(object).map(|tag| tag.kind)
+}
+
 /// Decodes the object as a `T`.
 ///
 /// # Errors

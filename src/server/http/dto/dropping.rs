@@ -12,6 +12,7 @@ use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
 use crate::http::decode::IntoJob;
+use crate::http::decode::files::FileReading;
 use crate::http::decode::object;
 use crate::http::error::ApiError;
 use crate::http::messages::Warning;
@@ -49,6 +50,10 @@ pub struct DropJob {
 
 impl IntoJob for DropRequest {
     type Job = DropJob;
+
+    fn read_files(&mut self, reading: &mut FileReading) {
+        self.surface.read_file(&Pointer::root().field("surface"), reading);
+    }
 
     fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
         self.surface.put_right(limits)

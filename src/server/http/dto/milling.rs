@@ -15,6 +15,7 @@ use super::surface::Surface;
 use super::tool::Tool;
 use crate::config::Limits;
 use crate::http::decode::IntoJob;
+use crate::http::decode::files::FileReading;
 use crate::http::decode::object;
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::messages::Warning;
@@ -132,6 +133,10 @@ const ALLOWANCE: Range = Range { min: 0.0, max: 1000.0 };
 
 impl IntoJob for MillRequest {
     type Job = JobWithSetup<core::Job>;
+
+    fn read_files(&mut self, reading: &mut FileReading) {
+        self.surface.read_file(&Pointer::root().field("surface"), reading);
+    }
 
     fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
         self.surface.put_right(limits)

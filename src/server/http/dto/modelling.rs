@@ -9,6 +9,7 @@ use super::meta::{self, Meta, MetaTexts};
 use super::surface::Surface;
 use crate::config::Limits;
 use crate::http::decode::IntoJob;
+use crate::http::decode::files::FileReading;
 use crate::http::decode::object;
 use crate::http::error::ApiError;
 use crate::http::messages::Warning;
@@ -79,6 +80,10 @@ pub struct ModelJob {
 
 impl IntoJob for ModelRequest {
     type Job = ModelJob;
+
+    fn read_files(&mut self, reading: &mut FileReading) {
+        self.surface.read_file(&Pointer::root().field("surface"), reading);
+    }
 
     fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
         self.surface.put_right(limits)

@@ -1,5 +1,6 @@
 //! Outlines in requests: closed chains of lines and arcs, as vertices or as a section curve.
 
+mod file;
 mod open;
 mod vertex;
 mod weld;
@@ -9,17 +10,21 @@ use std::fmt;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error, IntoDeserializer, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use utoipa::openapi::RefOr;
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ObjectBuilder, OneOfBuilder, Schema, Type};
+use utoipa::openapi::{Ref, RefOr};
 use utoipa::{PartialSchema, ToSchema};
 
 use super::check::Violations;
 use super::schema::{array_of, reference, schema_of};
 use super::surface::{Room, SectionText};
 use crate::config::Limits;
+use crate::http::decode::files::FileReading;
+use crate::http::decode::tagged;
 use crate::http::error::FieldCode;
 use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
+pub use file::{CURVE_TOLERANCE_MM, CURVE_TOLERANCES, GAP_MM, GAPS, RegionFile, format_name};
 pub use open::OpenEdges;
 use toolpathd_core::geometry::profile::Shape;
 use toolpathd_core::geometry::segment::Segment;
@@ -39,11 +44,18 @@ pub enum Outline {
     Text(SectionText),
 }
 
+/// An area with walls and islands: its outlines, or the file that holds them.
+#[derive(Debug)]
+pub enum Region {
+    Walled(WalledRegion),
+    File(RegionFile),
+}
+
 /// A wall and the islands inside it.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = PocketRegion)]
-pub struct Region {
+pub struct WalledRegion {
     /// The wall: a closed outline, in mm, in either direction. The last vertex is joined to the first.
     boundary: Outline,
     /// Outlines of what stays, in mm. Islands may overlap each other and the wall. Default: none.
@@ -58,6 +70,97 @@ pub struct Region {
 schema_of!(Islands of Outline, "Closed outlines.", { array_of(reference::<Outline>(), 0, MAX_ISLANDS) });
 
 impl Region {
+    /// Puts the outlines that a file holds in the place of the reference to the file.
+    pub fn read_file(&mut self, at: &Pointer, reading: &mut FileReading) {
+        if let Self::File(file) = self
+            && let Some(region) = file.region(at, reading)
+        {
+            *self = Self::Walled(region);
+        }
+    }
+
+    /// As [`Self::read_file`] for a list: a file may hold several regions.
+    pub fn read_files(all: &mut Vec<Self>, at: &Pointer, reading: &mut FileReading) {
+        let read = |(k, region): (usize, Self)| match region {
+            Self::File(file) => file.regions(&at.index(k), reading).unwrap_or_default(),
+            Self::Walled(region) => vec![region],
+        };
+        *all = std::mem::take(all).into_iter().enumerate().flat_map(read).map(Self::Walled).collect();
+    }
+
+    /// The number of all vertices, or of pieces of texts.
+    pub fn n_vertices(&self) -> usize {
+        match self {
+            Self::Walled(region) => region.n_vertices(),
+            Self::File(_) => 0,
+        }
+    }
+
+    /// As [`WalledRegion::convert`].
+    pub fn convert(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> core::Outlines {
+        self.walled(at, violations).convert(at, limits, violations)
+    }
+
+    /// As [`WalledRegion::convert_with_open`].
+    pub fn convert_with_open(
+        self,
+        at: &Pointer,
+        limits: &Limits,
+        violations: &mut Violations,
+    ) -> (core::Outlines, Vec<Segment>) {
+        self.walled(at, violations).convert_with_open(at, limits, violations)
+    }
+
+    /// As [`WalledRegion::remark`].
+    pub fn remark(&self, at: &Pointer) -> Option<Warning> {
+        match self {
+            Self::Walled(region) => region.remark(at),
+            Self::File(_) => None,
+        }
+    }
+
+    /// The outlines; none, with a violation, where a file was not read.
+    fn walled(self, at: &Pointer, violations: &mut Violations) -> WalledRegion {
+        match self {
+            Self::Walled(region) => region,
+            Self::File(_) => {
+                violations.add(at, FieldCode::Unsupported, "no file is read here: send the outlines");
+                WalledRegion::new(Outline::Vertices(Vec::new()), None)
+            }
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Region {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let object = <&RawValue>::deserialize(deserializer)?;
+        match tagged::optional_kind_of::<D::Error>(object)? {
+            Some(_) => tagged::decode(object).map(Self::File),
+            None => tagged::decode(object).map(Self::Walled),
+        }
+    }
+}
+
+impl PartialSchema for Region {
+    fn schema() -> RefOr<Schema> {
+        let items = [WalledRegion::name(), RegionFile::name()].map(Ref::from_schema_name);
+        let description = "An area with walls and islands: its outlines, or with `kind: file` a drawing that is sent with the request.";
+        let one_of = items.into_iter().fold(OneOfBuilder::new(), OneOfBuilder::item);
+        one_of.description(Some(description)).into()
+    }
+}
+
+impl ToSchema for Region {
+    fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
+        schemas.push((WalledRegion::name().into_owned(), WalledRegion::schema()));
+        WalledRegion::schemas(schemas);
+        let file = tagged::with_kind("file", RegionFile::schema());
+        schemas.push((RegionFile::name().into_owned(), file));
+        RegionFile::schemas(schemas);
+    }
+}
+
+impl WalledRegion {
     pub fn new(boundary: Outline, islands: Option<Vec<Outline>>) -> Self {
         Self { boundary, islands, open: None }
     }

@@ -21,6 +21,7 @@ use super::surface::Surface;
 use super::tool::Tool;
 use super::verification::Solid;
 use crate::config::Limits;
+use crate::http::decode::files::FileReading;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::messages::Warning;
@@ -41,13 +42,11 @@ pub struct PocketRequest {
     /// The wall of the pocket and its islands. Required without `regions`, `heights` and `surface`. With one
     /// of the last two, everything outside the region stays. Default: the rectangle of `heights`, or the
     /// outline of `surface`.
-    #[serde(default, deserialize_with = "object::optional")]
     region: Option<Region>,
     /// Several pockets of the same floor, in place of `region`, `heights` and `surface`. Regions that
     /// overlap, or touch along a stretch, are cut as one pocket; those that only meet in a point stay apart.
     /// An island stays in its own region: another region that reaches across the island's edge cuts it, and
     /// the answer warns.
-    #[serde(default, deserialize_with = "object::optional_list")]
     #[schema(value_type = Option<RegionList>)]
     regions: Option<Vec<Region>>,
     /// In which order the levels of `regions` are cut. Default: `depth_first`.
@@ -159,6 +158,19 @@ const MOST_CLEARED: usize = 1000;
 
 impl IntoJob for PocketRequest {
     type Job = JobWithSetup<core::Job>;
+
+    fn read_files(&mut self, reading: &mut FileReading) {
+        let root = Pointer::root();
+        if let Some(surface) = &mut self.surface {
+            surface.read_file(&root.field("surface"), reading);
+        }
+        if let Some(region) = &mut self.region {
+            region.read_file(&root.field("region"), reading);
+        }
+        if let Some(regions) = &mut self.regions {
+            Region::read_files(regions, &root.field("regions"), reading);
+        }
+    }
 
     fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
         self.surface.as_mut().map(|surface| surface.put_right(limits)).unwrap_or_default()

@@ -2,6 +2,7 @@
 
 mod bezier_patches;
 mod ferguson;
+mod file;
 mod grid;
 mod normal_sweep;
 pub mod nurbs;
@@ -15,11 +16,14 @@ use nalgebra::Point3;
 use super::check::Violations;
 use super::point::Point;
 use crate::config::Limits;
+use crate::http::decode::files::FileReading;
 use crate::http::decode::tagged::by_kind;
+use crate::http::error::FieldCode;
 use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 pub use bezier_patches::BezierPatches;
 pub use ferguson::Ferguson;
+pub use file::SurfaceFile;
 pub use normal_sweep::NormalSweep;
 pub use nurbs::Nurbs;
 pub use parallel_sweep::ParallelSweep;
@@ -40,10 +44,20 @@ by_kind! {
         "parallel_sweep" => ParallelSweep(ParallelSweep),
         "normal_sweep" => NormalSweep(NormalSweep),
         "ruled" => Ruled(Ruled),
+        "file" => File(SurfaceFile),
     }
 }
 
 impl Surface {
+    /// Puts the surface that a file holds in the place of the reference to the file.
+    pub fn read_file(&mut self, at: &Pointer, reading: &mut FileReading) {
+        if let Self::File(file) = self
+            && let Some(surface) = file.surface(at, reading)
+        {
+            *self = surface;
+        }
+    }
+
     /// Puts right in the data what is unambiguous, and tells what.
     pub fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
         match self {
@@ -62,6 +76,9 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.check(at, limits, violations),
             Self::NormalSweep(sweep) => sweep.check(at, limits, violations),
             Self::Ruled(ruled) => ruled.check(at, limits, violations),
+            Self::File(_) => {
+                violations.add(at, FieldCode::Unsupported, "no file is read here: send the surface itself");
+            }
         }
     }
 
@@ -76,6 +93,7 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.bounds(),
             Self::NormalSweep(sweep) => sweep.bounds(),
             Self::Ruled(ruled) => ruled.bounds(),
+            Self::File(_) => bounds(std::iter::empty()),
         }
     }
 }
@@ -99,6 +117,8 @@ impl From<Surface> for Source {
             Surface::ParallelSweep(sweep) => Self::ParallelSweep(sweep.into()),
             Surface::NormalSweep(sweep) => Self::NormalSweep(sweep.into()),
             Surface::Ruled(ruled) => Self::Ruled(ruled.into()),
+            // Checks refuse a file that was not read.
+            Surface::File(_) => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
         }
     }
 }

@@ -19,6 +19,7 @@ use super::schema::{array_of, reference, schema_of};
 use super::sent_toolpath::{Read, ReadSettings, SentToolpath};
 use super::surface::Surface;
 use crate::config::Limits;
+use crate::http::decode::files::FileReading;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::messages::Warning;
@@ -93,7 +94,6 @@ pub struct VerifyRequest {
     allowance_mm: Option<f64>,
     /// The walls of a pocket and its islands. All outside the walls stays up to `top_z_mm`, and all below
     /// `floor_z_mm`.
-    #[serde(default, deserialize_with = "object::optional")]
     region: Option<Region>,
     /// Height of the top of the part around a pocket, in mm.
     #[schema(minimum = -1_000_000, maximum = 1_000_000, default = 0)]
@@ -182,6 +182,16 @@ pub enum Path {
 
 impl IntoJob for VerifyRequest {
     type Job = Verification;
+
+    fn read_files(&mut self, reading: &mut FileReading) {
+        let root = Pointer::root();
+        if let Some(surface) = &mut self.surface {
+            surface.read_file(&root.field("surface"), reading);
+        }
+        if let Some(region) = &mut self.region {
+            region.read_file(&root.field("region"), reading);
+        }
+    }
 
     fn put_right(&mut self, limits: &Limits) -> Vec<Warning> {
         self.surface.as_mut().map(|surface| surface.put_right(limits)).unwrap_or_default()

@@ -123,6 +123,12 @@ pub enum WarningCode {
     ArcsMadeExact,
     /// Parts of a file are left out.
     FileLeftOut,
+    /// The file states no unit of length.
+    FileUnitMissing,
+    /// The request states another unit than the file.
+    UnitsOverridden,
+    /// Loops of a drawing are taken as walls and islands by what lies within what.
+    LoopsNested,
     /// Gaps between curves of a drawing are bridged.
     GapsBridged,
     /// Arcs and lines stand for splines and ellipses of a drawing.

@@ -5,6 +5,7 @@ use axum::http::StatusCode;
 use serde_json::{Map, Value, json};
 
 use crate::http::error::PROBLEM_JSON;
+use crate::http::request::multipart::FORM_DATA;
 use crate::http::request::representation::{EVENTS, GLB, JSON, Representation, STL};
 
 const EVENTS_DESCRIPTION: &str = "Events `progress` while the computation runs, with `Progress` as data: one event at the \
@@ -73,6 +74,33 @@ fn header(name: &str) -> Value {
     json!({ "$ref": format!("#/components/headers/{name}") })
 }
 
+/// Operations whose requests may refer to files, each with whether the part `job` is required.
+const WITH_FILES: [(&str, bool); 6] = [
+    ("/v1/parts/inspect", false),
+    ("/v1/pockets/plan", true),
+    ("/v1/programs/verify", true),
+    ("/v1/surfaces/drop", true),
+    ("/v1/surfaces/mill", true),
+    ("/v1/surfaces/model", true),
+];
+
+/// Adds to an operation the body with files beside the job.
+fn add_files(path: &str, operation: &mut Value) {
+    let Some((_, needs_job)) = WITH_FILES.iter().find(|(own, _)| *own == path) else { return };
+    let content = &mut operation["requestBody"]["content"];
+    let job = content[JSON]["schema"].clone();
+    let mut schema = json!({
+        "type": "object",
+        "description": "The request in the part `job`, and files in parts of any other names.",
+        "properties": { "job": job },
+        "additionalProperties": { "type": "string", "format": "binary" },
+    });
+    if *needs_job {
+        schema["required"] = json!(["job"]);
+    }
+    content[FORM_DATA] = json!({ "schema": schema, "encoding": { "job": { "contentType": JSON } } });
+}
+
 /// Adds headers, problems and the forms of answers to all operations.
 pub fn add(document: &mut Value) {
     document["components"]["headers"] = headers();
@@ -84,6 +112,7 @@ pub fn add(document: &mut Value) {
             }
             add_problems(path, operation);
             add_forms(operation);
+            add_files(path, operation);
             let sent = operation.pointer_mut("/requestBody/content/text~1x-gcode/schema");
             // Bytes, because programs may hold characters of any code page: some generators cannot send text.
             sent.into_iter().for_each(|schema| schema["format"] = "binary".into());

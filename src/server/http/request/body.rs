@@ -95,6 +95,7 @@ pub struct Decoded {
 pub struct JobBody<T: IntoJob> {
     body: SentBody,
     bytes_for_each: usize,
+    has_parts: bool,
     make: Arc<Make<T>>,
 }
 
@@ -148,17 +149,22 @@ impl<T: IntoJob> JobBody<T> {
             Ok(SentJob { job: make(text, limits)?, remarks: Vec::new() })
         };
         let body = SentBody::read(request, limits).await?;
-        Ok(Self { body, bytes_for_each: BYTES_FOR_EACH, make: Arc::new(make) })
+        Ok(Self { body, bytes_for_each: BYTES_FOR_EACH, has_parts: false, make: Arc::new(make) })
+    }
+
+    /// Whether the body has parts: a job and files.
+    pub fn has_parts(&self) -> bool {
+        self.has_parts
     }
 
     /// The same body, whose job goes through `change`.
     pub fn then(self, change: impl Fn(T::Job) -> T::Job + Send + Sync + 'static) -> Self {
-        let Self { body, bytes_for_each, make } = self;
+        let Self { body, bytes_for_each, has_parts, make } = self;
         let make = move |bytes: &Bytes, limits: &_, budget: &_| {
             let SentJob { job, remarks } = make(bytes, limits, budget)?;
             Ok(SentJob { job: change(job), remarks })
         };
-        Self { body, bytes_for_each, make: Arc::new(make) }
+        Self { body, bytes_for_each, has_parts, make: Arc::new(make) }
     }
 
     /// The same body, whose job goes through `change` together with the body. `change` may hold the body as
@@ -167,12 +173,12 @@ impl<T: IntoJob> JobBody<T> {
         self,
         change: impl Fn(T::Job, &[u8]) -> Result<T::Job, ApiError> + Send + Sync + 'static,
     ) -> Self {
-        let Self { body, bytes_for_each, make } = self;
+        let Self { body, bytes_for_each, has_parts, make } = self;
         let make = move |bytes: &Bytes, limits: &_, budget: &_| {
             let SentJob { job, remarks } = make(bytes, limits, budget)?;
             Ok(SentJob { job: change(job, bytes)?, remarks })
         };
-        Self { body, bytes_for_each: bytes_for_each + BYTES_OF_TREE, make: Arc::new(make) }
+        Self { body, bytes_for_each: bytes_for_each + BYTES_OF_TREE, has_parts, make: Arc::new(make) }
     }
 }
 
@@ -198,9 +204,10 @@ where
     type Rejection = ApiError;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
+        let has_parts = is_multipart(request.headers());
         let make = maker::<T>(request.headers())?;
         let body = SentBody::read(request, BodyLimits::from_ref(state)).await?;
-        Ok(Self { body, bytes_for_each: BYTES_FOR_EACH, make })
+        Ok(Self { body, bytes_for_each: BYTES_FOR_EACH, has_parts, make })
     }
 }
 
@@ -216,16 +223,17 @@ fn maker<T: IntoJob>(headers: &HeaderMap) -> Result<Arc<Make<T>>, ApiError> {
     let boundary = multipart::boundary(headers)?;
     Ok(Arc::new(move |body: &Bytes, limits: &_, budget: &_| {
         let Parts { job, files } = multipart::parts(body.clone(), &boundary)?;
-        let job = job.or(T::JOB_OF_FILES.map(|text| Bytes::from_static(text.as_bytes()))).ok_or_else(|| {
-            let detail = "the body has no part `job`: send the job in JSON, as `-F job=@job.json`";
-            ApiError::new(Code::BadRequest, detail)
-        })?;
+        let job =
+            job.or(T::JOB_OF_FILES.map(|text| Bytes::from_static(text.as_bytes()))).ok_or_else(|| {
+                let detail = "the body has no part `job`: send the job in JSON, as `-F job=@job.json`";
+                ApiError::new(Code::BadRequest, detail)
+            })?;
         decode::job_with_files::<T>(&job, &files, limits, budget)
     }))
 }
 
 /// Whether a body with these headers has parts.
-pub fn is_multipart(headers: &HeaderMap) -> bool {
+fn is_multipart(headers: &HeaderMap) -> bool {
     media_type(headers).is_some_and(|name| name == FORM_DATA)
 }
 

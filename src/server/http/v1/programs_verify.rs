@@ -18,7 +18,7 @@ use crate::http::dto::verification::{
     Asked, Digests, Lines, MOST_CELLS, NumberedTool, Path, Premises, Receipt, Told, Verification,
     VerifyMembers, VerifyQuery, VerifyReport, VerifyRequest,
 };
-use crate::http::error::ApiError;
+use crate::http::error::{ApiError, Code};
 use crate::http::messages::{Warning, not_read, tool_not_told, words_left_alone_in};
 use crate::http::pointer::Pointer;
 use crate::http::request::body::JobBody;
@@ -74,6 +74,10 @@ pub async fn verify_program(
     wanted: Wanted<Verdicts>,
     mut body: JobBody<VerifyRequest>,
 ) -> Result<Response, ApiError> {
+    if wanted.query.receipt && body.has_parts() {
+        let detail = "a receipt states the digest of a JSON body: send the files in `base64`";
+        return Err(ApiError::new(Code::InvalidQuery, detail));
+    }
     if wanted.query.receipt {
         let key = app.receipt_key.clone();
         body = body.with_body(move |job, text| {

@@ -21,6 +21,9 @@ use crate::http::decode::words;
 use crate::http::error::{FieldCode, FieldError};
 use toolpathd_core::budget::Budget;
 
+/// The member that tells objects apart.
+const KIND: &str = "kind";
+
 /// Whole numbers from here on may not be exact in floating point (2^53 is about 9.007e15).
 const LARGEST_WHOLE: f64 = 9e15;
 
@@ -216,6 +219,33 @@ impl<'c> Walk<'c> {
         Ok(())
     }
 
+    /// An object that is one of several, of which one at most has no member `kind`.
+    fn choice(
+        &mut self,
+        at: &Path,
+        objects: &[(Option<&'c str>, Asked<'c>)],
+        sent: &RawValue,
+    ) -> serde_json::Result<()> {
+        let tag = tag_of(sent, KIND)?.filter(|tag| !tag.is_null());
+        let kind = tag.as_ref().and_then(Value::as_str);
+        match objects.iter().find(|(own, _)| *own == kind && (kind.is_some() || tag.is_none())) {
+            Some((_, asked)) => {
+                let mut reader = serde_json::Deserializer::from_str(sent.get());
+                let check = ValueCheck { walk: self, at, asked: *asked, is_member: false };
+                check.deserialize(&mut reader).map(|_| ())
+            }
+            None => {
+                let names: Vec<&str> = objects.iter().filter_map(|(kind, _)| *kind).collect();
+                let sent_kind = tag.unwrap_or_default();
+                self.blame(&Path::Member(at, KIND), FieldCode::UnknownValue, || match sent_kind.as_str() {
+                    Some(kind) => words::unknown(kind, &names),
+                    None => words::wrong(&words::one_of(&names), &sent_kind),
+                });
+                Unchecked(self).deserialize(&mut serde_json::Deserializer::from_str(sent.get()))
+            }
+        }
+    }
+
     /// An object whose member `kind` says which other members the object has.
     fn union(
         &mut self,
@@ -297,6 +327,18 @@ impl<'de> DeserializeSeed<'de> for ValueCheck<'_, '_> {
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Sent, D::Error> {
         self.walk.patience.spend()?;
+        let objects = self.walk.contract.objects(&self.asked);
+        if !objects.is_empty() {
+            let sent = <&RawValue>::deserialize(deserializer)?;
+            return match outline(sent)? {
+                Value::Object(_) => {
+                    self.walk.choice(self.at, &objects, sent).map(|()| Sent::Value).map_err(D::Error::custom)
+                }
+                _ => serde_json::Deserializer::from_str(sent.get())
+                    .deserialize_any(self)
+                    .map_err(D::Error::custom),
+            };
+        }
         let Some((name, Schema::OneOf(OneOf { discriminator: Some(kinds), .. }))) = self.asked.usual else {
             return deserializer.deserialize_any(self);
         };

@@ -74,6 +74,11 @@ fn counterclockwise() -> Direction {
 }
 
 impl Vertex {
+    /// A vertex that says nothing of the elements beside it.
+    pub fn plain(at: [f64; 2]) -> Self {
+        Self { at, element: Element::Plain }
+    }
+
     /// A vertex after which the element has this bulge.
     pub fn bulging(at: [f64; 2], bulge: f64) -> Self {
         Self { at, element: Element::Bulge(bulge) }

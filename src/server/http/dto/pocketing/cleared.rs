@@ -9,7 +9,7 @@ use crate::config::Limits;
 use crate::http::decode::object;
 use crate::http::dto::check::Violations;
 use crate::http::dto::dialect::DialectName;
-use crate::http::dto::outline::{self, Islands, Outline, Region};
+use crate::http::dto::outline::{self, Islands, Outline, WalledRegion};
 use crate::http::dto::program_reading::{Compensation, WithoutPoint};
 use crate::http::dto::schema::{array_of, reference, schema_of};
 use crate::http::error::FieldCode;
@@ -103,7 +103,7 @@ impl Cleared {
         match (boundary, nc) {
             (Some(boundary), None) => {
                 refuse(&of_program, "this member belongs to `nc`; leave it out", at, violations);
-                let region = Region::new(boundary, islands);
+                let region = WalledRegion::new(boundary, islands);
                 vec![core::Emptied::Region(region.convert(at, limits, violations))]
             }
             (None, Some(nc)) => {

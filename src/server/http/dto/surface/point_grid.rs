@@ -92,6 +92,12 @@ schema_of!(TangentRow of Point, "Vectors `[x, y, z]`, in mm, one for each point 
 });
 
 impl PointGrid {
+    /// A grid with the defaults of all other members.
+    pub fn of_points(points: Vec<Vec<Point>>) -> Self {
+        let (twist, outliers) = (Twist::default(), Outliers::default());
+        Self { _kind: Kind, points, twist, ends: None, outliers, end_tangents: None }
+    }
+
     pub fn points(&self) -> impl Iterator<Item = &Point> {
         self.points.iter().flatten()
     }

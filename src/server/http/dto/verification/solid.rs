@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 use crate::config::Limits;
 use crate::http::decode::tagged::{Kind, by_kind};
 use crate::http::dto::check::{Range, Violations};
-use crate::http::dto::outline::{Islands, Outline, Region};
+use crate::http::dto::outline::{Islands, Outline, WalledRegion};
 use crate::http::dto::point::{PlanePoint, Point};
 use crate::http::error::FieldCode;
 use crate::http::pointer::Pointer;
@@ -146,7 +146,7 @@ impl CylinderSolid {
 impl OutlineSolid {
     fn outlines(self, at: &Pointer, limits: &Limits, violations: &mut Violations) -> Outlines {
         check_heights((self.bottom_z_mm, self.top_z_mm), at, violations);
-        Region::new(self.boundary, self.islands).convert(at, limits, violations)
+        WalledRegion::new(self.boundary, self.islands).convert(at, limits, violations)
     }
 }
 

@@ -1,0 +1,231 @@
+//! Walls and islands from files: drawings in DXF.
+
+use serde::Deserialize;
+use utoipa::ToSchema;
+
+use super::{Outline, Vertex, WalledRegion};
+use crate::http::decode::files::FileReading;
+use crate::http::decode::tagged::Kind;
+use crate::http::dto::check::Range;
+use crate::http::dto::file::{FileUnits, Reference};
+use crate::http::error::FieldCode;
+use crate::http::messages::WarningCode;
+use crate::http::pointer::Pointer;
+use toolpathd_part::drawing::{Drawing, Loop};
+use toolpathd_part::dxf::{self, DxfOptions};
+use toolpathd_part::format::Format;
+
+/// Default of `gap_mm`.
+pub const GAP_MM: f64 = 0.01;
+
+/// Default of `curve_tolerance_mm`.
+pub const CURVE_TOLERANCE_MM: f64 = 0.001;
+
+/// Legal gaps and tolerances, mm.
+pub const GAPS: Range = Range { min: 0.0, max: 10.0 };
+pub const CURVE_TOLERANCES: Range = Range { min: 1e-5, max: 1.0 };
+
+/// Most curves of a drawing for each vertex that an outline may have.
+const CURVES_FOR_EACH_VERTEX: usize = 4;
+
+/// Walls and islands from a drawing (DXF) that is sent with the request.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RegionFile {
+    #[serde(rename = "kind")]
+    #[schema(ignore)]
+    _kind: Kind,
+    /// The name of the file: that of its part of the body (`multipart/form-data`), or any name beside
+    /// `base64`.
+    #[schema(max_length = 200)]
+    name: String,
+    /// The file in base64. Default: the part of the body with this name.
+    #[schema(max_length = 16_777_216)]
+    base64: Option<String>,
+    /// The unit of the file. Default: the unit that the file states; a file that states none is refused.
+    units: Option<FileUnits>,
+    /// The layer whose curves count. Default: all layers.
+    #[schema(max_length = 255)]
+    layer: Option<String>,
+    /// The wall, by the number of its loop in the drawing, as `/v1/parts/inspect` counts them with the same
+    /// layer; the loops right inside it are its islands. Default: `region` takes the only outermost loop, and
+    /// `regions` all outermost loops and the loops inside their islands.
+    #[schema(minimum = 0, maximum = 1_000_000)]
+    wall: Option<usize>,
+    /// Largest gap between the ends of curves that counts as a joint, in mm. Gaps that are bridged are
+    /// told.
+    #[schema(minimum = 0, maximum = 10, default = 0.01)]
+    gap_mm: Option<f64>,
+    /// Largest distance of splines and ellipses from the arcs in their place, in mm.
+    #[schema(minimum = 0.000_01, maximum = 1, default = 0.001)]
+    curve_tolerance_mm: Option<f64>,
+}
+
+impl RegionFile {
+    /// The only region of the file; `None` with a violation where there are none, or several.
+    pub fn region(&self, at: &Pointer, reading: &mut FileReading) -> Option<WalledRegion> {
+        let mut all = self.regions(at, reading)?;
+        if all.len() == 1 {
+            return all.pop();
+        }
+        let detail = format!(
+            "there are {} walls: send `regions` with this object in a list, or choose one by `wall`",
+            all.len()
+        );
+        self.reference(at).blame(FieldCode::Conflict, &detail, reading);
+        None
+    }
+
+    /// The regions of the file, at least one; `None` with a violation where there is none.
+    pub fn regions(&self, at: &Pointer, reading: &mut FileReading) -> Option<Vec<WalledRegion>> {
+        let violations = &mut reading.violations;
+        let before = violations.total();
+        violations.optional(&at.field("gap_mm"), self.gap_mm, GAPS, "mm");
+        violations.optional(&at.field("curve_tolerance_mm"), self.curve_tolerance_mm, CURVE_TOLERANCES, "mm");
+        if violations.total() > before {
+            return None;
+        }
+        let drawing = self.drawing(at, reading)?;
+        let walls = self.walls(&drawing, at, reading)?;
+        self.tell(&drawing, &walls, at, reading);
+        Some(walls.into_iter().map(|wall| region(&drawing.loops, wall)).collect())
+    }
+
+    fn reference<'a>(&'a self, at: &'a Pointer) -> Reference<'a> {
+        Reference { at, name: &self.name, base64: self.base64.as_deref(), units: self.units }
+    }
+
+    fn drawing(&self, at: &Pointer, reading: &mut FileReading) -> Option<Drawing> {
+        let reference = self.reference(at);
+        let bytes = reference.bytes(reading)?;
+        match Format::of(&self.name, &bytes) {
+            Format::Dxf => {}
+            other => {
+                let detail = format!("a region is read from DXF, and this is {}", format_name(other));
+                reference.blame(FieldCode::Unsupported, &detail, reading);
+                return None;
+            }
+        }
+        let options = DxfOptions {
+            layers: self.layer.clone().map(|layer| vec![layer]),
+            gap_mm: self.gap_mm.unwrap_or(GAP_MM),
+            tolerance_mm: self.curve_tolerance_mm.unwrap_or(CURVE_TOLERANCE_MM),
+            unit: self.units.map(Into::into),
+            curve_limit: CURVES_FOR_EACH_VERTEX * reading.limits.curve_points,
+            vertex_limit: reading.limits.curve_points,
+        };
+        let drawing = reference.read(dxf::read(&bytes, &options, reading.budget), reading)?;
+        reference.mm(drawing.unit, reading)?;
+        Some(drawing)
+    }
+
+    /// The loops that are walls.
+    fn walls(&self, drawing: &Drawing, at: &Pointer, reading: &mut FileReading) -> Option<Vec<usize>> {
+        let loops = &drawing.loops;
+        if let Some(wall) = self.wall {
+            if wall < loops.len() {
+                return Some(vec![wall]);
+            }
+            let detail = format!("there are {} loops, counted from 0", loops.len());
+            reading.violations.add(&at.field("wall"), FieldCode::OutOfRange, detail);
+            return None;
+        }
+        let walls: Vec<usize> = (0..loops.len()).filter(|k| loops[*k].depth % 2 == 0).collect();
+        if walls.is_empty() {
+            self.reference(at).blame(FieldCode::UnreadableFile, &self.nothing(drawing), reading);
+            return None;
+        }
+        Some(walls)
+    }
+
+    /// Why a drawing has no walls.
+    fn nothing(&self, drawing: &Drawing) -> String {
+        let layers: Vec<String> = drawing.layers.iter().map(|layer| format!("`{}`", layer.name)).collect();
+        match (&self.layer, drawing.open.first()) {
+            (_, Some(open)) => format!(
+                "there is no closed loop; {} chains are open, the first by {:.4} mm on layer `{}`: send a larger `gap_mm`",
+                drawing.open.len(),
+                open.gap_mm,
+                open.layer
+            ),
+            (Some(layer), None) if !layers.is_empty() => {
+                format!(
+                    "there is no closed loop on layer `{layer}`; the layers with curves are {}",
+                    layers.join(", ")
+                )
+            }
+            _ => "there is no closed loop in it".to_owned(),
+        }
+    }
+
+    /// Tells what a person should know of the drawing before the program runs.
+    fn tell(&self, drawing: &Drawing, walls: &[usize], at: &Pointer, reading: &mut FileReading) {
+        let reference = self.reference(at);
+        reference.tell_left_out(&drawing.left_out, reading);
+        if drawing.bridged_max_mm > 0.0 {
+            let detail = format!(
+                "`{}`: gaps of up to {:.4} mm between curves are bridged",
+                self.name, drawing.bridged_max_mm
+            );
+            reading.warn(at, WarningCode::GapsBridged, detail);
+        }
+        if drawing.deviation_max_mm > 0.0 {
+            let detail = format!(
+                "`{}`: arcs and lines stand for splines and ellipses, at most {:.6} mm beside them",
+                self.name, drawing.deviation_max_mm
+            );
+            reading.warn(at, WarningCode::CurvesFitted, detail);
+        }
+        if let Some(open) = drawing.open.first() {
+            let detail = format!(
+                "`{}`: {} open chains are no walls; the first, on layer `{}`, is open by {:.4} mm",
+                self.name,
+                drawing.open.len(),
+                open.layer,
+                open.gap_mm
+            );
+            reading.warn(at, WarningCode::OpenCurves, detail);
+        }
+        let islands = walls.iter().map(|wall| islands(&drawing.loops, *wall).count()).sum::<usize>();
+        if drawing.loops.len() > 1 {
+            let detail = format!(
+                "`{}`: of {} loops {} and {} are taken by what lies within what; the walls are the loops {}",
+                self.name,
+                drawing.loops.len(),
+                counted(walls.len(), "wall"),
+                counted(islands, "island"),
+                walls.iter().take(20).map(usize::to_string).collect::<Vec<_>>().join(", "),
+            );
+            reading.warn(at, WarningCode::LoopsNested, detail);
+        }
+    }
+}
+
+/// A format in words.
+pub fn format_name(format: Format) -> &'static str {
+    match format {
+        Format::Dxf => "DXF",
+        Format::Points => "a text of points",
+        Format::Step => "STEP",
+        Format::Other(name) => name,
+    }
+}
+
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The loops right inside a wall.
+fn islands(loops: &[Loop], wall: usize) -> impl Iterator<Item = &Loop> {
+    loops.iter().filter(move |island| island.parent == Some(wall))
+}
+
+fn region(loops: &[Loop], wall: usize) -> WalledRegion {
+    let outline = |own: &Loop| Outline::Vertices(own.vertices.iter().map(vertex).collect());
+    let islands: Vec<Outline> = islands(loops, wall).map(outline).collect();
+    WalledRegion::new(outline(&loops[wall]), Some(islands).filter(|islands| !islands.is_empty()))
+}
+
+fn vertex(&[x, y, bulge]: &[f64; 3]) -> Vertex {
+    if bulge == 0.0 { Vertex::plain([x, y]) } else { Vertex::bulging([x, y], bulge) }
+}

@@ -1,0 +1,169 @@
+//! `POST /v1/parts/inspect`: tells what is in a file of a part.
+
+use axum::extract::State;
+use axum::response::Response;
+use nalgebra::Point3;
+
+use crate::http::answer::{Computing, OnSurface, Outcome, answer};
+use crate::http::dto::answer::{Answer, NoMembers};
+use crate::http::dto::inspection::{
+    DrawingReport, FileBox, FileFormat, InspectReport, InspectRequest, Inspection, LeftOutReport,
+    PointsReport,
+};
+use crate::http::dto::outline::format_name;
+use crate::http::error::{ApiError, FieldCode, FieldError};
+use crate::http::messages::{Warning, WarningCode, no_grid};
+use crate::http::pointer::Pointer;
+use crate::http::request::body::JobBody;
+use crate::http::request::negotiation::{Figures, Wanted};
+use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::segment::Segment;
+use toolpathd_part::drawing::Drawing;
+use toolpathd_part::dxf::{self, DxfOptions};
+use toolpathd_part::fault::Unreadable;
+use toolpathd_part::format::Format;
+use toolpathd_part::left_out::LeftOut;
+use toolpathd_part::points::grid::{NoGrid, grid};
+use toolpathd_part::points::{self, PointText};
+use toolpathd_part::unit::Unit;
+
+/// The answer in JSON.
+type InspectAnswer = Answer<InspectReport, NoMembers>;
+
+/// Largest turn of the part of an arc that is drawn as one straight line, radians.
+const LARGEST_TURN: f64 = 0.1;
+
+/// Most curves of a drawing for each vertex that an outline may have.
+const CURVES_FOR_EACH_VERTEX: usize = 4;
+
+/// Tell what is in a file.
+///
+/// Send one file as `multipart/form-data`, with or without a part `job` in JSON, or in `base64`. The answer
+/// tells format and unit, the loops of a drawing (DXF) with their layers, areas and nesting, or how points in
+/// a text are written and what grid they make, and lists whatever was left out with its reason. What it tells
+/// can be sent on: a loop by its number as `wall` of a region with `kind: file`, or its vertices as
+/// `boundary`.
+#[utoipa::path(post, path = "/v1/parts/inspect", operation_id = "inspectPart", tag = "parts",
+    params(Wanted<Figures>), request_body = InspectRequest,
+    responses((status = 200, description = "What is in the file, or a picture.", body = InspectAnswer)))]
+pub async fn inspect_part(
+    State(computing): State<Computing>,
+    wanted: Wanted<Figures>,
+    body: JobBody<InspectRequest>,
+) -> Result<Response, ApiError> {
+    answer(computing, wanted, body, inspect).await
+}
+
+/// What was read, before units.
+struct Found {
+    format: FileFormat,
+    unit: Option<Unit>,
+    bounds: Option<FileBox>,
+    drawing: Option<DrawingReport>,
+    points: Option<PointsReport>,
+    left_out: Vec<LeftOut>,
+    picture: toolpathd_plot::Drawing,
+}
+
+fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, OnSurface>, ApiError> {
+    let found = match Format::of(&job.name, &job.bytes) {
+        Format::Dxf => drawing(&job, budget)?,
+        Format::Points => point_text(&job, budget)?,
+        other => {
+            let detail = format!("`{}` is {}; send DXF or a text of points", job.name, format_name(other));
+            return Err(blamed(FieldCode::Unsupported, detail));
+        }
+    };
+    let units = job.units.or(found.unit.map(Into::into));
+    let mut warnings = Vec::new();
+    if units.is_none() {
+        let detail =
+            format!("`{}` states no unit of length: the figures are in the numbers of the file", job.name);
+        warnings.push(Warning::new(WarningCode::FileUnitMissing, detail));
+    }
+    let Found { format, bounds, drawing, points, left_out, picture, .. } = found;
+    let left_out = left_out.iter().map(LeftOutReport::from).collect();
+    Ok(Outcome {
+        meta: job.meta,
+        warnings,
+        report: InspectReport { format, units, bounds, drawing, points, left_out },
+        product: OnSurface(Box::new(|| None)),
+        drawing: Box::new(move || picture.clone()),
+    })
+}
+
+fn drawing(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
+    let vertex_limit = job.limits.curve_points;
+    let options = DxfOptions {
+        layers: job.layer.clone().map(|layer| vec![layer]),
+        gap_mm: job.gap_mm,
+        tolerance_mm: job.curve_tolerance_mm,
+        unit: job.units.map(Into::into),
+        curve_limit: CURVES_FOR_EACH_VERTEX * vertex_limit,
+        vertex_limit,
+    };
+    let drawing = dxf::read(&job.bytes, &options, budget).map_err(|fault| unreadable(job, fault))?;
+    let mut picture = toolpathd_plot::Drawing::default();
+    picture.walls.extend(drawing.loops.iter().map(|own| polyline(&own.vertices, true)));
+    picture.curve.extend(drawing.open.iter().map(|chain| polyline(&chain.vertices, false)));
+    let all = picture.walls.iter().chain(&picture.curve).flatten();
+    let bounds = FileBox::around(all.map(|point| [point.x, point.y, point.z]));
+    let report = DrawingReport::from(&drawing);
+    let Drawing { unit, left_out, .. } = drawing;
+    let drawing = Some(report);
+    Ok(Found { format: FileFormat::Dxf, unit, bounds, drawing, points: None, left_out, picture })
+}
+
+fn point_text(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
+    let mut text = points::read(&job.bytes, job.limits.surface_points, budget)
+        .map_err(|fault| unreadable(job, fault))?;
+    let unit = job.units.map(Unit::from).or(text.unit);
+    let mm = unit.map_or(1.0, Unit::mm);
+    text.points.iter_mut().flatten().for_each(|value| *value *= mm);
+    let found = grid(&text.points, None, budget);
+    if let Err(NoGrid::Stopped(stopped)) = found {
+        return Err(stopped.into());
+    }
+    let report = PointsReport::new(&text, &found, |fault| no_grid(fault, &text.lines));
+    let mut picture = toolpathd_plot::Drawing::default();
+    let at = |k: usize| Point3::from(text.points[k]);
+    match &found {
+        Ok(grid) => {
+            picture.surface.extend(grid.rows.iter().map(|row| row.iter().map(|&k| at(k)).collect()));
+            let columns = 0..grid.rows[0].len();
+            picture.surface.extend(columns.map(|i| grid.rows.iter().map(|row| at(row[i])).collect()));
+        }
+        Err(_) => picture.poses.extend(text.points.iter().map(|point| Point3::from(*point))),
+    }
+    let bounds = FileBox::around(text.points.iter().copied());
+    let PointText { unit, left_out, .. } = text;
+    let (format, points) = (FileFormat::Points, Some(report));
+    Ok(Found { format, unit, bounds, drawing: None, points, left_out, picture })
+}
+
+/// The points of a chain of vertices with bulges, in the plane z = 0.
+fn polyline(vertices: &[[f64; 3]], is_closed: bool) -> Vec<Point3<f64>> {
+    let mut points = Vec::with_capacity(vertices.len() + 1);
+    let next = vertices.iter().cycle().skip(1);
+    let n_elements = if is_closed { vertices.len() } else { vertices.len().saturating_sub(1) };
+    for (&[x, y, bulge], &[to_x, to_y, _]) in vertices.iter().zip(next).take(n_elements) {
+        let element = Segment::bulging([x, y].into(), [to_x, to_y].into(), bulge);
+        let count = (element.turn().abs() / LARGEST_TURN).ceil().max(1.0) as usize;
+        points.extend((0..count).map(|k| element.at(k as f64 / count as f64)));
+    }
+    let last = if is_closed { vertices.first() } else { vertices.last() };
+    points.extend(last.map(|[x, y, _]| nalgebra::Point2::new(*x, *y)));
+    points.into_iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect()
+}
+
+fn unreadable(job: &Inspection, fault: Unreadable) -> ApiError {
+    match fault {
+        Unreadable::Stopped(stopped) => stopped.into(),
+        fault => blamed(FieldCode::UnreadableFile, format!("`{}`: {fault}", job.name)),
+    }
+}
+
+/// The failure of a file.
+fn blamed(code: FieldCode, detail: String) -> ApiError {
+    ApiError::invalid(vec![FieldError::new(&Pointer::root().field("file"), code, detail)])
+}

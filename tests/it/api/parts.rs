@@ -1,0 +1,180 @@
+//! Files beside a job: how they are sent, how a job refers to them, and what is told of them.
+
+use axum::http::StatusCode;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde_json::{Value, json};
+
+use crate::api::support::{Answer, MILL, ONE_PASS, app, post};
+
+const INSPECT: &str = "/v1/parts/inspect";
+
+/// A bowl in rows to and fro, with decimal commas.
+fn bowl() -> String {
+    let mut text = String::from("x [mm];y [mm];z [mm]\r\n");
+    for j in 0..9 {
+        for i in 0..12 {
+            let i = if j % 2 == 0 { i } else { 11 - i };
+            let (x, y) = (f64::from(i) * 5.0, f64::from(j) * 5.0);
+            let z = ((x - 27.5).powi(2) + (y - 20.0).powi(2)) / 200.0;
+            text += &format!("{x};{y};{z}\r\n").replace('.', ",");
+        }
+    }
+    text
+}
+
+/// The same points as `point_grid`.
+fn bowl_grid() -> Value {
+    let z = |x: f64, y: f64| ((x - 27.5).powi(2) + (y - 20.0).powi(2)) / 200.0;
+    let row = |i: i32| -> Vec<[f64; 3]> {
+        (0..9).map(|j| (f64::from(i) * 5.0, f64::from(j) * 5.0)).map(|(x, y)| [x, y, z(x, y)]).collect()
+    };
+    json!({ "kind": "point_grid", "points": (0..12).map(row).collect::<Vec<_>>() })
+}
+
+/// A body of `multipart/form-data` with a job and files.
+fn form(job: Option<&Value>, files: &[(&str, &str, &str)]) -> String {
+    let mut body = String::new();
+    if let Some(job) = job {
+        body += &format!("--X\r\nContent-Disposition: form-data; name=\"job\"\r\n\r\n{job}\r\n");
+    }
+    for (part, name, text) in files {
+        body += &format!(
+            "--X\r\nContent-Disposition: form-data; name=\"{part}\"; filename=\"{name}\"\r\n\r\n{text}\r\n"
+        );
+    }
+    body + "--X--\r\n"
+}
+
+async fn send(path: &str, job: Option<&Value>, files: &[(&str, &str, &str)]) -> Answer {
+    let headers = [("content-type", "multipart/form-data; boundary=X")];
+    post(&app(&[]), path, form(job, files), &headers).await
+}
+
+fn mill(surface: Value) -> Value {
+    let mut job: Value = serde_json::from_str(ONE_PASS).expect("JSON");
+    job["surface"] = surface;
+    job
+}
+
+/// The answer without its warnings.
+fn without_warnings(answer: &Answer) -> Value {
+    assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
+    let mut answer = answer.json();
+    answer["warnings"] = Value::Null;
+    answer
+}
+
+#[tokio::test]
+async fn points_in_a_file_give_the_plan_of_the_same_points_in_json() {
+    let twin = post(&app(&[]), MILL, mill(bowl_grid()).to_string(), &[]).await;
+    let by_name = mill(json!({ "kind": "file", "name": "bowl.csv" }));
+    let sent = send(MILL, Some(&by_name), &[("part", "bowl.csv", &bowl())]).await;
+    assert_eq!(without_warnings(&sent), without_warnings(&twin));
+    let told = sent.json()["warnings"].to_string();
+    assert!(told.contains("108 points in 9 rows and 12 columns"), "{told}");
+
+    let text = BASE64_STANDARD.encode(bowl());
+    let in_json = mill(json!({ "kind": "file", "name": "bowl.csv", "base64": text }));
+    let sent = post(&app(&[]), MILL, in_json.to_string(), &[]).await;
+    assert_eq!(without_warnings(&sent), without_warnings(&twin));
+}
+
+#[tokio::test]
+async fn a_file_is_found_by_its_own_name_or_by_that_of_its_part() {
+    for name in ["bowl.csv", "part"] {
+        let job = json!({ "surface": { "kind": "file", "name": name } });
+        let sent = send("/v1/surfaces/model", Some(&job), &[("part", "bowl.csv", &bowl())]).await;
+        assert_eq!(sent.status, StatusCode::OK, "{}", sent.text());
+    }
+}
+
+#[tokio::test]
+async fn what_is_wrong_with_files_is_told_at_the_member() {
+    let file = |name: &str| json!({ "surface": { "kind": "file", "name": name } });
+    let both = json!({ "surface": { "kind": "file", "name": "bowl.csv", "base64": "MQ==" } });
+    let bad = json!({ "surface": { "kind": "file", "name": "other.csv", "base64": "%" } });
+    let bowl = bowl();
+    let no_unit = bowl.replace(" [mm]", "");
+    let one_less = bowl.replace("0;0;", "# ");
+    for (job, files, code, pointer) in [
+        (file("bowl.csv"), vec![], "unknown_file", "#/surface/name"),
+        (file("bowl.csv"), vec![("part", "other.csv", bowl.as_str())], "unknown_file", "#"),
+        (both, vec![("part", "bowl.csv", bowl.as_str())], "conflict", "#/surface/base64"),
+        (bad, vec![], "syntax", "#/surface/base64"),
+        (file("bowl.csv"), vec![("part", "bowl.csv", no_unit.as_str())], "unit_missing", "#/surface/name"),
+        (
+            file("bowl.csv"),
+            vec![("part", "bowl.csv", one_less.as_str())],
+            "unreadable_file",
+            "#/surface/name",
+        ),
+        (file("bowl.csv"), vec![("part", "bowl.csv", "x y\n1 2\n")], "unreadable_file", "#/surface/name"),
+        (file("a.stl"), vec![("part", "a.stl", "solid a")], "unsupported", "#/surface/name"),
+    ] {
+        let sent = send("/v1/surfaces/model", Some(&job), &files).await;
+        assert_eq!(sent.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", sent.text());
+        let violations = sent.violations();
+        assert!(violations.contains(&(code.to_owned(), pointer.to_owned())), "{code}: {violations:?}");
+    }
+}
+
+#[tokio::test]
+async fn the_unit_of_the_request_holds_and_a_difference_is_told() {
+    let job = |units: &str| json!({ "surface": { "kind": "file", "name": "bowl.csv", "units": units } });
+    for (units, width, is_told) in [("mm", 55.0, false), ("inch", 55.0 * 25.4, true)] {
+        let sent = send("/v1/surfaces/model", Some(&job(units)), &[("part", "bowl.csv", &bowl())]).await;
+        let answer = sent.json();
+        let bounds = &answer["report"]["bounds"];
+        let size =
+            bounds["max"][0].as_f64().unwrap_or_default() - bounds["min"][0].as_f64().unwrap_or_default();
+        assert!((size - width).abs() < 1e-5, "{answer}");
+        assert_eq!(answer["warnings"].to_string().contains("units_overridden"), is_told);
+    }
+}
+
+#[tokio::test]
+async fn a_body_of_parts_that_is_broken_is_refused() {
+    let headers = [("content-type", "multipart/form-data; boundary=X")];
+    for body in ["", "--X", "--X--\r\n", "--X\r\n\r\n\r\n--X--\r\n", "{}"] {
+        let sent = post(&app(&[]), MILL, body, &headers).await;
+        assert_eq!((sent.status, sent.code()), (StatusCode::BAD_REQUEST, "bad_request".into()), "{body}");
+    }
+    let sent = post(&app(&[]), MILL, "", &[("content-type", "multipart/form-data")]).await;
+    assert_eq!(sent.status, StatusCode::BAD_REQUEST, "{}", sent.text());
+}
+
+#[tokio::test]
+async fn a_text_of_points_is_inspected() {
+    let sent = send(INSPECT, None, &[("part", "bowl.csv", &bowl())]).await;
+    assert_eq!(sent.status, StatusCode::OK, "{}", sent.text());
+    let report = &sent.json()["report"];
+    assert_eq!(report["format"], "points");
+    assert_eq!(report["units"], "mm");
+    assert_eq!(report["points"]["separator"], "semicolons");
+    assert_eq!(report["points"]["decimal_comma"], true);
+    assert_eq!(report["points"]["grid"]["n_rows"], 9);
+    assert_eq!(report["points"]["grid"]["n_columns"], 12);
+    assert_eq!(report["bounds"]["max"][0], 55.0);
+
+    let scattered =
+        send(INSPECT, None, &[("part", "a.xyz", "0 0 0\n1 0.1 0\n2 0.7 0\n0.4 3 1\n5 5 5\n")]).await;
+    let answer = scattered.json();
+    assert!(answer["report"]["points"]["no_grid"].is_string(), "{answer}");
+    assert_eq!(answer["warnings"][0]["code"], "file_unit_missing");
+    assert!(answer["report"]["units"].is_null());
+}
+
+#[tokio::test]
+async fn an_inspection_without_one_file_is_refused() {
+    let two = [("a", "a.xyz", "1 2 3\n"), ("b", "b.xyz", "1 2 3\n")];
+    for sent in [
+        post(&app(&[]), INSPECT, "{}", &[]).await,
+        send(INSPECT, Some(&json!({})), &[]).await,
+        send(INSPECT, None, &two).await,
+        send(INSPECT, None, &[("a", "a.pdf", "%PDF-1.4")]).await,
+        send(INSPECT, None, &[("a", "a.csv", "no numbers")]).await,
+    ] {
+        assert_eq!(sent.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", sent.text());
+    }
+}

@@ -91,8 +91,10 @@ pub async fn send(app: &Arc<App>, request: Request<Body>) -> Answer {
 }
 
 pub async fn post(app: &Arc<App>, path: &str, body: impl Into<Body>, headers: &[(&str, &str)]) -> Answer {
-    let builder = Request::post(path).header("content-type", "application/json");
-    let builder = headers.iter().fold(builder, |builder, (name, value)| builder.header(*name, *value));
+    let has_type = headers.iter().any(|(name, _)| *name == "content-type");
+    let json = [("content-type", "application/json")];
+    let all = json.iter().filter(|_| !has_type).chain(headers);
+    let builder = all.fold(Request::post(path), |builder, (name, value)| builder.header(*name, *value));
     send(app, builder.body(body.into()).expect("a request")).await
 }
 

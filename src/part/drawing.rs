@@ -1,19 +1,29 @@
 //! What a drawing in the plane holds: closed loops of lines and arcs, nested, with their layers.
 
+pub mod arcs;
+pub mod assembly;
+mod bulge;
+mod chains;
+mod links;
+mod nesting;
+
 use super::left_out::LeftOut;
 use super::unit::Unit;
 
 /// A drawing that was read. Lengths are in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// The unit that the file states.
+    /// The unit that the file states, or else the one that the job gives. Without either it is `None`, and
+    /// all lengths are in the unknown unit of the file.
     pub unit: Option<Unit>,
-    /// All layers that hold curves, in the order of their first curve.
+    /// All layers that hold curves, in the order of their first curve, also those that were not asked for.
     pub layers: Vec<Layer>,
     /// The closed loops, those that hold others before those inside.
     pub loops: Vec<Loop>,
     /// Chains that are open within the gap.
     pub open: Vec<OpenChain>,
+    /// Places where three ends of curves or more meet.
+    pub branches: Vec<Branch>,
     pub left_out: Vec<LeftOut>,
     /// The largest gap that was bridged, mm.
     pub bridged_max_mm: f64,
@@ -28,7 +38,7 @@ pub struct Layer {
     pub n_curves: usize,
 }
 
-/// A closed loop of lines and arcs.
+/// A closed loop of lines and arcs. It may cross itself or another loop: this is not examined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loop {
     /// x, y and the bulge of the element to the next vertex (the tangent of a quarter of its turn, positive
@@ -53,4 +63,14 @@ pub struct OpenChain {
     pub layer: String,
     /// The distance of its ends, mm.
     pub gap_mm: f64,
+}
+
+/// A place where three ends of curves or more meet, within the gap.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Branch {
+    pub at: [f64; 2],
+    pub n_ends: usize,
+    /// How many of the ends are joined to no other: they belong to open chains. The others are joined in the
+    /// only way that makes loops.
+    pub n_open: usize,
 }

@@ -1,17 +1,146 @@
-//! Drawings in DXF.
-use crate::{
-    drawing::Drawing,
-    fault::{Place, Unreadable},
-    unit::Unit,
-};
+//! Drawings in DXF, as text or binary, of all releases.
+//!
+//! # What is read
+//! LINE, ARC, CIRCLE, ELLIPSE, LWPOLYLINE, POLYLINE, SPLINE, and INSERT of blocks, in model space. Anything
+//! else is listed with a reason, and so are entities on layers that are frozen or off. Such a layer is read
+//! where the options ask for it by name.
+//!
+//! # Guarantees
+//! * Lines and arcs keep their numbers: a vertex has the coordinates of the file. A unit other than mm, a
+//!   rotation, a scale or a shift of a block round each coordinate once or twice.
+//! * Ellipses, splines, and arcs that a block scales unevenly become arcs within the tolerance. The bound of
+//!   their deviation is proved. A spline of fit points alone is the C2 cubic through them with the parameter
+//!   of its chord lengths; programs that draw such splines differ in this. Tangents at its ends are ignored.
+//! * Heights are ignored: a curve counts as drawn in the plane if its own height does not change. So are the
+//!   widths of polylines, and thickness.
+//! * A file that breaks off, a number that is none, an absent section, a block within itself and a layer that
+//!   is asked for and holds no curve are errors.
+//!
+//! # Units
+//! The unit is that of $INSUNITS. [`DxfOptions::unit`] serves where the file states none; a job whose unit
+//! differs from the file's is refused. Where neither states a unit, [`Drawing::unit`] is `None`, and all
+//! lengths are in the unknown unit of the file. The caller has to ask for it before it mills.
+//!
+//! # Cost
+//! O(n log n) for n curves that are not splines.
+
+mod blocks;
+mod curves;
+mod entity;
+mod fields;
+mod file;
+mod groups;
+mod names;
+mod placement;
+mod polyline;
+mod reasons;
+mod spline;
+
+use toolpathd_core::budget::Budget;
+
+use crate::drawing::assembly::{Limits, assemble};
+use crate::drawing::{Drawing, Layer};
+use crate::fault::{Place, Unreadable};
+use crate::unit::Unit;
+use curves::Drawer;
+
+/// How a drawing is read.
+#[derive(Debug, Clone, PartialEq)]
 pub struct DxfOptions {
+    /// The layers that are read, without regard to capital letters; `None` for all.
     pub layers: Option<Vec<String>>,
+    /// Ends of curves up to this distance apart are joined, mm; zero joins ends in one place only.
     pub gap_mm: f64,
+    /// How far arcs may lie from the splines and ellipses in whose place they are, mm.
     pub tolerance_mm: f64,
+    /// The unit, where the file states none.
     pub unit: Option<Unit>,
+    /// The most curves, and the most vertices of all curves.
     pub curve_limit: usize,
     pub vertex_limit: usize,
 }
-pub fn read(_: &[u8], _: &DxfOptions, _: &toolpathd_core::budget::Budget) -> Result<Drawing, Unreadable> {
-    Err(Unreadable::at(Place::File, "todo"))
+
+impl Default for DxfOptions {
+    /// All layers, gaps up to 0.01 mm, and a tolerance of 0.001 mm.
+    fn default() -> Self {
+        Self {
+            layers: None,
+            gap_mm: 0.01,
+            tolerance_mm: 0.001,
+            unit: None,
+            curve_limit: 200_000,
+            vertex_limit: 2_000_000,
+        }
+    }
 }
+
+/// Reads a drawing.
+///
+/// # Errors
+/// When the file breaks the format, has more than the limits allow, states another unit than the options, or
+/// has no curve on a layer that is asked for; and when the budget ends.
+pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawing, Unreadable> {
+    if !(options.tolerance_mm > 0.0 && options.gap_mm >= 0.0) {
+        let detail = format!(
+            "a gap of {} mm and a tolerance of {} mm are no limits; the gap has to be zero or more, and the tolerance above zero",
+            options.gap_mm, options.tolerance_mm
+        );
+        return Err(Unreadable::at(Place::File, detail));
+    }
+    let file = file::read(bytes, budget)?;
+    let unit = unit(file.unit, options.unit)?;
+    let drawer =
+        Drawer { tolerance_mm: options.tolerance_mm, vertex_limit: options.vertex_limit, budget };
+    let scale = unit.map_or(1.0, Unit::mm);
+    let drawn = blocks::draw(file, options, scale, &drawer)?;
+    let names: Vec<&str> = drawn.layers.iter().map(|layer| layer.name.as_str()).collect();
+    check_layers(&drawn.layers, options)?;
+    let limits = Limits { gap_mm: options.gap_mm, budget };
+    let assembly = assemble(drawn.curves, &names, drawn.left_out, limits)?;
+    Ok(Drawing {
+        unit,
+        loops: assembly.loops,
+        open: assembly.open,
+        branches: assembly.branches,
+        left_out: assembly.left_out.list(),
+        bridged_max_mm: assembly.bridged_max_mm,
+        deviation_max_mm: drawn.deviation_max_mm,
+        layers: drawn.layers,
+    })
+}
+
+fn unit(stated: Option<Unit>, asked: Option<Unit>) -> Result<Option<Unit>, Unreadable> {
+    match (stated, asked) {
+        (Some(stated), Some(asked)) if stated != asked => {
+            let name = |unit: Unit| format!("{unit:?}").to_lowercase();
+            let detail = format!(
+                "the file states the unit {} and the job {}; leave the unit of the job out, or give that of the file",
+                name(stated),
+                name(asked)
+            );
+            Err(Unreadable::at(Place::File, detail))
+        }
+        (stated, asked) => Ok(stated.or(asked)),
+    }
+}
+
+/// Refuses a layer that is asked for and holds no curve: its name is most likely misspelt.
+fn check_layers(layers: &[Layer], options: &DxfOptions) -> Result<(), Unreadable> {
+    for asked in options.layers.iter().flatten() {
+        if !layers.iter().any(|layer| names::key(&layer.name) == names::key(asked)) {
+            let mut held: Vec<String> =
+                layers.iter().take(20).map(|layer| format!("\"{}\"", layer.name)).collect();
+            if layers.len() > held.len() {
+                held.push("others".to_owned());
+            }
+            let held = if held.is_empty() { "no layer".to_owned() } else { held.join(", ") };
+            let detail = format!("no curve is on the layer \"{asked}\"; curves are on {held}");
+            return Err(Unreadable::at(Place::File, detail));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "tests/dxf.rs"]
+mod tests;

@@ -1,0 +1,205 @@
+//! The entities of a DXF file, as curves, placed blocks, and what is left out.
+
+use toolpathd_core::geometry::plane_curve::nurbs::Nurbs;
+
+use super::fields::{Fields, Normal};
+use super::names::{decoded, key};
+use super::placement::Placement;
+use super::polyline;
+use super::reasons as because;
+use super::spline;
+use crate::fault::{Place, Unreadable};
+
+/// How much z may change along a curve in the plane, as a part of its largest coordinate plus 1. The value is
+/// above the rounding of files with 8 decimals.
+const FLAT: f64 = 1e-7;
+
+/// An entity that may be drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entity {
+    pub kind: String,
+    pub layer: String,
+    pub place: Place,
+    pub is_on_paper: bool,
+    pub is_invisible: bool,
+    pub content: Content,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Content {
+    Curve(Shape),
+    Insert(Box<Insert>),
+    /// The reason.
+    LeftOut(&'static str),
+}
+
+/// A curve in the plane, in the lengths of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    Line([[f64; 2]; 2]),
+    Circle { center: [f64; 2], radius: f64, is_mirrored: bool },
+    /// Counterclockwise from `start` to `end`, degrees, before it is mirrored.
+    Arc { center: [f64; 2], radius: f64, start: f64, end: f64, is_mirrored: bool },
+    /// The points center + cos t major + sin t minor, for t from `start` to `end`, radians.
+    Ellipse { center: [f64; 2], major: [f64; 2], minor: [f64; 2], start: f64, end: f64 },
+    /// x, y and the bulge to the next vertex.
+    Polyline { vertices: Vec<[f64; 3]>, is_closed: bool },
+    Nurbs(Box<Nurbs>),
+    /// A smooth curve through points.
+    Through(Vec<[f64; 2]>),
+}
+
+/// A block that is placed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Insert {
+    /// The key of the block's name.
+    pub block: String,
+    pub at: [f64; 2],
+    pub scale: [f64; 2],
+    pub degrees: f64,
+    /// Columns and rows.
+    pub counts: [u32; 2],
+    /// The distances of the columns and of the rows.
+    pub distances: [f64; 2],
+    pub is_mirrored: bool,
+}
+
+/// Reads an entity that consists of its own groups alone.
+///
+/// # Errors
+/// When a group is broken or absent.
+pub fn read(fields: &Fields) -> Result<Entity, Unreadable> {
+    let content = match fields.kind {
+        b"LINE" => line(fields)?,
+        b"CIRCLE" => circle(fields)?,
+        b"ARC" => arc(fields)?,
+        b"ELLIPSE" => ellipse(fields)?,
+        b"LWPOLYLINE" => polyline::light(fields)?,
+        b"SPLINE" => spline::read(fields)?,
+        b"INSERT" => insert(fields)?,
+        other => Content::LeftOut(because::of_kind(other)),
+    };
+    with_content(fields, content)
+}
+
+/// An entity with the properties that all kinds have in common.
+///
+/// # Errors
+/// When a group is broken.
+pub fn with_content(fields: &Fields, content: Content) -> Result<Entity, Unreadable> {
+    let layer = decoded(fields.text(8));
+    Ok(Entity {
+        kind: decoded(fields.kind),
+        layer: if layer.is_empty() { "0".to_owned() } else { layer },
+        place: fields.place(),
+        is_on_paper: fields.integer(67)? == 1,
+        is_invisible: fields.integer(60)? == 1,
+        content,
+    })
+}
+
+/// Whether heights differ by rounding only, on a curve with this largest coordinate.
+pub fn is_flat(heights: impl Iterator<Item = f64>, magnitude: f64) -> bool {
+    let [low, high] =
+        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
+    // Without heights, low is above high.
+    low > high || high - low <= FLAT * (magnitude + 1.0)
+}
+
+/// The largest coordinate of points.
+pub fn magnitude(points: impl Iterator<Item = [f64; 2]>) -> f64 {
+    points.fold(0.0, |most, p| most.max(p[0].abs()).max(p[1].abs()))
+}
+
+fn line(fields: &Fields) -> Result<Content, Unreadable> {
+    let ends = [fields.point(10)?, fields.point(11)?];
+    let heights = [fields.real(30)?, fields.real(31)?].map(Option::unwrap_or_default);
+    Ok(if is_flat(heights.into_iter(), magnitude(ends.into_iter())) {
+        Content::Curve(Shape::Line(ends))
+    } else {
+        Content::LeftOut(because::NOT_FLAT)
+    })
+}
+
+/// The centre and the radius of a circle or an arc, and whether it is seen from below; or why it is none.
+fn round(fields: &Fields) -> Result<Result<([f64; 2], f64, bool), &'static str>, Unreadable> {
+    let (center, radius) = (fields.point(10)?, fields.need(40)?);
+    let normal = fields.normal()?;
+    Ok(match normal.placement() {
+        None => Err(because::TILTED),
+        Some(_) if radius <= 0.0 => Err(because::NO_RADIUS),
+        Some(placement) => Ok((placement.point(center), radius, normal == Normal::Down)),
+    })
+}
+
+fn circle(fields: &Fields) -> Result<Content, Unreadable> {
+    Ok(match round(fields)? {
+        Ok((center, radius, is_mirrored)) => Content::Curve(Shape::Circle { center, radius, is_mirrored }),
+        Err(reason) => Content::LeftOut(reason),
+    })
+}
+
+fn arc(fields: &Fields) -> Result<Content, Unreadable> {
+    let [start, end] = [fields.need(50)?, fields.need(51)?];
+    Ok(match round(fields)? {
+        Ok((center, radius, is_mirrored)) => {
+            Content::Curve(Shape::Arc { center, radius, start, end, is_mirrored })
+        }
+        Err(reason) => Content::LeftOut(reason),
+    })
+}
+
+fn ellipse(fields: &Fields) -> Result<Content, Unreadable> {
+    let (center, major) = (fields.point(10)?, fields.point(11)?);
+    let ratio = fields.need(40)?;
+    let start = fields.real(41)?.unwrap_or(0.0);
+    let end = fields.real(42)?.unwrap_or(std::f64::consts::TAU);
+    let rise = fields.real(31)?.unwrap_or(0.0);
+    let normal = fields.normal()?;
+    let side = if normal == Normal::Down { -ratio } else { ratio };
+    let minor = [-major[1] * side, major[0] * side];
+    Ok(if normal == Normal::Sideways || !is_flat([0.0, rise].into_iter(), magnitude([major].into_iter())) {
+        Content::LeftOut(because::TILTED)
+    } else if major == [0.0, 0.0] || ratio == 0.0 {
+        Content::LeftOut(because::NO_RADIUS)
+    } else {
+        Content::Curve(Shape::Ellipse { center, major, minor, start, end })
+    })
+}
+
+fn insert(fields: &Fields) -> Result<Content, Unreadable> {
+    let normal = fields.normal()?;
+    if normal == Normal::Sideways {
+        return Ok(Content::LeftOut(because::TILTED));
+    }
+    let scale = [fields.real(41)?.unwrap_or(1.0), fields.real(42)?.unwrap_or(1.0)];
+    if scale.contains(&0.0) {
+        return Ok(Content::LeftOut(because::NO_SCALE));
+    }
+    let count = |code: i32| -> Result<u32, Unreadable> {
+        let count = fields.integer(code)?.max(1);
+        let large = || Unreadable::at(fields.place(), format!("{count} copies of a block are too many"));
+        u32::try_from(count).map_err(|_| large())
+    };
+    Ok(Content::Insert(Box::new(Insert {
+        block: key(&decoded(fields.text(2))),
+        at: fields.point(10)?,
+        scale,
+        degrees: fields.real(50)?.unwrap_or(0.0),
+        counts: [count(70)?, count(71)?],
+        distances: [fields.real(44)?.unwrap_or(0.0), fields.real(45)?.unwrap_or(0.0)],
+        is_mirrored: normal == Normal::Down,
+    })))
+}
+
+impl Insert {
+    /// The map of the copy in a column and a row, of a block with this base point.
+    pub fn placement(&self, base: [f64; 2], [column, row]: [u32; 2]) -> Placement {
+        let turned = Placement::of_block([0.0, 0.0], [1.0, 1.0], self.degrees, [0.0, 0.0]);
+        let aside = [f64::from(column) * self.distances[0], f64::from(row) * self.distances[1]];
+        let aside = turned.direction(aside);
+        let to = [self.at[0] + aside[0], self.at[1] + aside[1]];
+        let placed = Placement::of_block(base, self.scale, self.degrees, to);
+        if self.is_mirrored { Placement::seen_from_below().after(&placed) } else { placed }
+    }
+}

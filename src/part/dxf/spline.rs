@@ -1,0 +1,104 @@
+//! Splines in DXF: control points with knots and weights, or points that the curve passes through.
+
+use nalgebra::Point2;
+use toolpathd_core::geometry::bspline::MAX_DEGREE;
+use toolpathd_core::geometry::plane_curve::nurbs::{Nurbs, SHORTEST_SPAN};
+
+use super::entity::{Content, Shape, is_flat, magnitude};
+use super::fields::Fields;
+use super::reasons as because;
+use crate::fault::Unreadable;
+
+/// Reads a SPLINE. Where it has control points, these give the curve, and its fit points are ignored. Knots
+/// nearer to each other than a part in 1e9 of the domain are rounded copies of one knot.
+///
+/// # Errors
+/// When a group is broken, or there are fewer points, knots or weights than the entity states.
+pub fn read(fields: &Fields) -> Result<Content, Unreadable> {
+    let [control, fit] = [points(fields, 10)?, points(fields, 11)?];
+    let [mut knots, weights] = [numbers(fields, 40)?, numbers(fields, 41)?];
+    for (code, found, what) in
+        [(72, knots.len(), "knots"), (73, control.len(), "control points"), (74, fit.len(), "fit points")]
+    {
+        let stated = fields.integer(code)?;
+        if stated > found as i64 {
+            let detail = format!("a spline of {stated} {what} has only {found}");
+            return Err(Unreadable::at(fields.place(), detail));
+        }
+    }
+    if control.is_empty() {
+        return Ok(through(fit));
+    }
+    let degree = usize::try_from(fields.integer(71)?).unwrap_or(0);
+    if degree > MAX_DEGREE {
+        return Ok(Content::LeftOut(because::DEGREE));
+    }
+    let (control_points, is_flat) = in_plane(&control);
+    if !is_flat {
+        return Ok(Content::LeftOut(because::NOT_FLAT));
+    }
+    join_knots(&mut knots);
+    let weights = (!weights.is_empty()).then_some(weights);
+    let control_points = control_points.into_iter().map(Point2::from).collect();
+    Ok(Content::Curve(Shape::Nurbs(Box::new(Nurbs { degree, knots, control_points, weights }))))
+}
+
+fn through(fit: Vec<[f64; 3]>) -> Content {
+    let (mut points, is_flat) = in_plane(&fit);
+    points.dedup();
+    if points.len() < 2 {
+        Content::LeftOut(because::FEW_POINTS)
+    } else if !is_flat {
+        Content::LeftOut(because::NOT_FLAT)
+    } else {
+        Content::Curve(Shape::Through(points))
+    }
+}
+
+/// x and y of points, and whether their heights are equal.
+fn in_plane(points: &[[f64; 3]]) -> (Vec<[f64; 2]>, bool) {
+    let flat: Vec<[f64; 2]> = points.iter().map(|[x, y, _]| [*x, *y]).collect();
+    let largest = magnitude(flat.iter().copied());
+    (flat, is_flat(points.iter().map(|p| p[2]), largest))
+}
+
+/// The points whose x has this code.
+fn points(fields: &Fields, code: i32) -> Result<Vec<[f64; 3]>, Unreadable> {
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let mut lacks_y = None;
+    for group in &fields.groups {
+        if group.code == code {
+            if lacks_y.is_some() {
+                break;
+            }
+            points.push([group.real()?, 0.0, 0.0]);
+            lacks_y = Some(group.place);
+        } else if (group.code == code + 10 || group.code == code + 20)
+            && let Some(point) = points.last_mut()
+        {
+            point[if group.code == code + 10 { 1 } else { 2 }] = group.real()?;
+            if group.code == code + 10 {
+                lacks_y = None;
+            }
+        }
+    }
+    match lacks_y {
+        Some(place) => Err(Unreadable::at(place, "a point has no y")),
+        None => Ok(points),
+    }
+}
+
+fn numbers(fields: &Fields, code: i32) -> Result<Vec<f64>, Unreadable> {
+    fields.groups.iter().filter(|group| group.code == code).map(|group| group.real()).collect()
+}
+
+/// Makes rounded copies of a knot equal to it.
+fn join_knots(knots: &mut [f64]) {
+    let (Some(first), Some(last)) = (knots.first(), knots.last()) else { return };
+    let nearest = SHORTEST_SPAN * (last - first).abs();
+    for k in 1..knots.len() {
+        if (knots[k] - knots[k - 1]).abs() <= nearest {
+            knots[k] = knots[k - 1];
+        }
+    }
+}

@@ -37,13 +37,32 @@ pub enum Content {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     Line([[f64; 2]; 2]),
-    Circle { center: [f64; 2], radius: f64, is_mirrored: bool },
+    Circle {
+        center: [f64; 2],
+        radius: f64,
+        is_mirrored: bool,
+    },
     /// Counterclockwise from `start` to `end`, degrees, before it is mirrored.
-    Arc { center: [f64; 2], radius: f64, start: f64, end: f64, is_mirrored: bool },
+    Arc {
+        center: [f64; 2],
+        radius: f64,
+        start: f64,
+        end: f64,
+        is_mirrored: bool,
+    },
     /// The points center + cos t major + sin t minor, for t from `start` to `end`, radians.
-    Ellipse { center: [f64; 2], major: [f64; 2], minor: [f64; 2], start: f64, end: f64 },
+    Ellipse {
+        center: [f64; 2],
+        major: [f64; 2],
+        minor: [f64; 2],
+        start: f64,
+        end: f64,
+    },
     /// x, y and the bulge to the next vertex.
-    Polyline { vertices: Vec<[f64; 3]>, is_closed: bool },
+    Polyline {
+        vertices: Vec<[f64; 3]>,
+        is_closed: bool,
+    },
     Nurbs(Box<Nurbs>),
     /// A smooth curve through points.
     Through(Vec<[f64; 2]>),

@@ -178,3 +178,84 @@ async fn an_inspection_without_one_file_is_refused() {
         assert_eq!(sent.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", sent.text());
     }
 }
+
+/// A plate with a layer `POCKETS`: a rounded pocket with a round island, and a block of a slot, twice.
+const PLATE: &str = include_str!("../../../openapi/files/plate.dxf");
+
+fn pocket(regions: Value) -> Value {
+    json!({
+        "regions": regions, "floor_z_mm": -6, "stepdown_max_mm": 3, "stepover_mm": 4,
+        "tool": { "shape": "flat", "diameter_mm": 8 }, "cutting": { "feed_mm_per_min": 900 },
+    })
+}
+
+#[tokio::test]
+async fn a_drawing_gives_the_plan_of_its_twin_in_json_byte_for_byte() {
+    let file = json!([{ "kind": "file", "name": "plate.dxf", "layer": "pockets" }]);
+    let sent = send("/v1/pockets/plan", Some(&pocket(file)), &[("part", "plate.dxf", PLATE)]).await;
+
+    // The loops as the inspection tells them make the twin.
+    let job = json!({ "layer": "POCKETS" });
+    let inspected = send(INSPECT, Some(&job), &[("part", "plate.dxf", PLATE)]).await.json();
+    let loops = inspected["report"]["drawing"]["loops"].as_array().cloned().unwrap_or_default();
+    let kinds: Vec<&str> = loops.iter().filter_map(|own| own["kind"].as_str()).collect();
+    assert_eq!(kinds.iter().filter(|kind| **kind == "wall").count(), 3, "{kinds:?}");
+    let region = |(k, wall): (usize, &Value)| {
+        let islands: Vec<&Value> =
+            loops.iter().filter(|own| own["parent"] == k).map(|own| &own["vertices"]).collect();
+        let mut region = json!({ "boundary": wall["vertices"] });
+        if !islands.is_empty() {
+            region["islands"] = json!(islands);
+        }
+        region
+    };
+    let walls = loops.iter().enumerate().filter(|(_, own)| own["kind"] == "wall");
+    let twin = pocket(walls.map(region).collect());
+    let twin = post(&app(&[]), "/v1/pockets/plan", twin.to_string(), &[]).await;
+    assert_eq!(without_warnings(&sent), without_warnings(&twin));
+
+    let areas: Vec<f64> = loops.iter().filter_map(|own| own["area_mm2"].as_f64()).collect();
+    let slot = 12.0 * 12.0 + std::f64::consts::PI * 36.0;
+    let rounded = 70.0 * 60.0 - (4.0 - std::f64::consts::PI) * 36.0;
+    for expected in [slot, rounded, std::f64::consts::PI * 81.0] {
+        assert!(areas.iter().any(|area| (area - expected).abs() < 1e-9 * expected), "{expected}: {areas:?}");
+    }
+}
+
+#[tokio::test]
+async fn a_region_takes_one_wall_of_a_drawing() {
+    let region = |mut file: Value| {
+        file["kind"] = "file".into();
+        file["name"] = "plate.dxf".into();
+        let mut job = pocket(Value::Null);
+        job["region"] = file;
+        job
+    };
+    let plate = [("part", "plate.dxf", PLATE)];
+    let several = send("/v1/pockets/plan", Some(&region(json!({ "layer": "POCKETS" }))), &plate).await;
+    assert_eq!(several.violations(), [("conflict".into(), "#/region/name".into())], "{}", several.text());
+    let one = send("/v1/pockets/plan", Some(&region(json!({ "layer": "POCKETS", "wall": 0 }))), &plate).await;
+    assert_eq!(one.status, StatusCode::OK, "{}", one.text());
+    let beyond = send("/v1/pockets/plan", Some(&region(json!({ "wall": 99 }))), &plate).await;
+    assert_eq!(beyond.violations(), [("out_of_range".into(), "#/region/wall".into())]);
+    for (file, code) in [
+        (json!({ "layer": "NONE" }), "unreadable_file"),
+        (json!({ "layer": "POCKETS", "gap_mm": -1 }), "out_of_range"),
+        (json!({ "kind": "files" }), "conflict"),
+    ] {
+        let sent = send("/v1/pockets/plan", Some(&region(file)), &plate).await;
+        assert_eq!(sent.status, StatusCode::UNPROCESSABLE_ENTITY);
+        assert!(sent.violations().iter().any(|(own, _)| own == code), "{code}: {}", sent.text());
+    }
+    let mut wrong = region(json!({}));
+    wrong["region"]["kind"] = "drawing".into();
+    let sent = send("/v1/pockets/plan", Some(&wrong), &plate).await;
+    assert_eq!(sent.violations()[0], ("unknown_value".into(), "#/region/kind".into()), "{}", sent.text());
+}
+
+#[tokio::test]
+async fn a_receipt_takes_files_in_base64_alone() {
+    let job = json!({ "tolerance_mm": 0.01 });
+    let sent = send("/v1/programs/verify?receipt=true", Some(&job), &[]).await;
+    assert_eq!((sent.status, sent.code()), (StatusCode::BAD_REQUEST, "invalid_query".into()));
+}

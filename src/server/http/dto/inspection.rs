@@ -13,7 +13,7 @@ use crate::http::decode::files::FileReading;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
-use toolpathd_part::drawing::{Drawing, Loop, OpenChain};
+use toolpathd_part::drawing::{Branch, Drawing, Loop, OpenChain};
 use toolpathd_part::fault::Place;
 use toolpathd_part::left_out::LeftOut;
 use toolpathd_part::points::PointText;
@@ -174,6 +174,8 @@ pub struct DrawingReport {
     loops: Vec<LoopReport>,
     /// Chains of curves that are open.
     open_chains: Vec<OpenChainReport>,
+    /// Places where more than two ends of curves meet.
+    branches: Vec<BranchReport>,
     /// The largest gap that was bridged, in mm.
     bridged_max_mm: f64,
     /// How far splines and ellipses may be from the arcs and lines in their place, in mm.
@@ -224,6 +226,16 @@ enum LoopVertex {
     Bulging([f64; 3]),
 }
 
+/// A place where more than two ends of curves meet.
+#[derive(Serialize, ToSchema)]
+struct BranchReport {
+    /// The place, in mm.
+    at: [f64; 2],
+    n_ends: usize,
+    /// How many of the ends are joined to no other, because more than one way makes loops.
+    n_open: usize,
+}
+
 /// A chain of curves whose ends do not meet.
 #[derive(Serialize, ToSchema)]
 struct OpenChainReport {
@@ -244,6 +256,7 @@ impl From<&Drawing> for DrawingReport {
                 .collect(),
             loops: drawing.loops.iter().map(LoopReport::from).collect(),
             open_chains: drawing.open.iter().map(OpenChainReport::from).collect(),
+            branches: drawing.branches.iter().map(BranchReport::from).collect(),
             bridged_max_mm: drawing.bridged_max_mm,
             deviation_max_mm: drawing.deviation_max_mm,
         }
@@ -265,6 +278,12 @@ impl From<&Loop> for LoopReport {
             length_mm: own.length_mm,
             vertices: own.vertices.iter().map(vertex).collect(),
         }
+    }
+}
+
+impl From<&Branch> for BranchReport {
+    fn from(&Branch { at, n_ends, n_open }: &Branch) -> Self {
+        Self { at, n_ends, n_open }
     }
 }
 

@@ -133,6 +133,8 @@ pub enum WarningCode {
     GapsBridged,
     /// Arcs and lines stand for splines and ellipses of a drawing.
     CurvesFitted,
+    /// More than two curves of a drawing meet in a place.
+    CurvesBranch,
     /// Curves of a drawing make no closed loop.
     OpenCurves,
     /// Points in any order are put into rows.

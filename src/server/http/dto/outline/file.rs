@@ -186,6 +186,16 @@ impl RegionFile {
             );
             reading.warn(at, WarningCode::OpenCurves, detail);
         }
+        if let Some(branch) = drawing.branches.first() {
+            let detail = format!(
+                "`{}`: in {} places more than two curves meet, the first at ({:.4}, {:.4}); they are joined where only one way makes loops",
+                self.name,
+                drawing.branches.len(),
+                branch.at[0],
+                branch.at[1]
+            );
+            reading.warn(at, WarningCode::CurvesBranch, detail);
+        }
         let islands = walls.iter().map(|wall| islands(&drawing.loops, *wall).count()).sum::<usize>();
         if drawing.loops.len() > 1 {
             let detail = format!(

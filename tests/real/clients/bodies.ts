@@ -92,6 +92,14 @@ export const several: Body<"planPocket"> = {
   cutting: { feed_mm_per_min: 800 },
 };
 
+// Files in base64, in place of a region and on their own.
+export const inspect: Body<"inspectPart"> = { file: { name: "a.xyz", base64: btoa("0 0 0\n0 9 1\n9 0 1\n9 9 0\n") }, units: "mm" };
+
+export const drawn: Body<"planPocket"> = {
+  ...several,
+  regions: [{ kind: "file", name: "plate.dxf", layer: "POCKETS", units: "mm" }],
+};
+
 export const model: Body<"modelSurface"> = { surface };
 
 export const smooth: Body<"smoothPath"> = {
@@ -139,7 +147,7 @@ export function length(move: components["schemas"]["Move"]): number {
 }
 
 // Does not compile when an operation with a body is missing above.
-type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "planPocket" | "readProgram" | "smoothPath" | "verifyProgram" | "writeProgram";
+type Built = "fitArcs" | "putArcs" | "interpolateCurve" | "dropCutter" | "millSurface" | "modelSurface" | "inspectPart" | "planPocket" | "readProgram" | "smoothPath" | "verifyProgram" | "writeProgram";
 type WithBody = { [Name in keyof operations]: Body<Name> extends never ? never : Name }[keyof operations];
 export const every: WithBody extends Built ? true : never = true;
 

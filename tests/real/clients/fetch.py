@@ -1,5 +1,6 @@
 """Calls every operation of the service at the given address, with the client generated from the contract."""
 
+import base64
 import io
 import sys
 
@@ -8,6 +9,7 @@ from toolpathd_client.api.curves import fit_arcs, interpolate_curve, put_arcs
 from toolpathd_client.api.dnc import list_controls, send_program
 from toolpathd_client.api.five_axis import list_machines, smooth_path
 from toolpathd_client.api.operation import get_metrics, livez, readyz
+from toolpathd_client.api.parts import inspect_part
 from toolpathd_client.api.pockets import plan_pocket
 from toolpathd_client.api.programs import read_program, verify_program, write_program
 from toolpathd_client.api.service import get_contract, get_limits, list_dialects
@@ -80,6 +82,10 @@ pocket = models.PocketRequest.from_dict(
 )
 planned = fetched(plan_pocket, models.AnswerPocketReport, body=pocket, points=True)
 assert len(planned.report.levels) == 1 and len(planned.polyline) > 2, planned.report
+points = base64.b64encode(b"0 0 0\n0 9 1\n9 0 1\n9 9 0\n").decode()
+inspect = models.InspectRequest.from_dict({"file": {"name": "a.xyz", "base64": points}, "units": "mm"})
+inspected = fetched(inspect_part, models.AnswerInspectReport, body=inspect)
+assert inspected.report.points.grid.n_rows == 2, inspected.report
 path = [{"tip": [0, 0, 0], "axis": [0, 0, 1]}, {"tip": [10, 0, 0], "axis": [0, 0, 1]}]
 smooth = {"path": path, "feed_mm_per_min": 800, "tolerance_mm": 0.01, "tolerance_deg": 0.5}
 smoothed = fetched(smooth_path, models.AnswerSmoothReport, body=models.SmoothRequest.from_dict(smooth))

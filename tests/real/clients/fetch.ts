@@ -35,6 +35,8 @@ const model = await got("modelSurface", client.POST("/v1/surfaces/model", { body
 check(model.report.n_patches === 1, "modelSurface");
 const plan = await got("planPocket", client.POST("/v1/pockets/plan", { body: bodies.plan, params: { query: { points: true } } }));
 check(plan.report.levels.length === 1 && (plan.polyline?.length ?? 0) > 2, "planPocket");
+const inspected = await got("inspectPart", client.POST("/v1/parts/inspect", { body: bodies.inspect }));
+check(inspected.report.points?.grid?.n_rows === 2, "inspectPart");
 const smooth = await got("smoothPath", client.POST("/v1/five-axis/smooth", { body: bodies.smooth }));
 check(smooth.report.within_tolerance, "smoothPath");
 const curve = await got("interpolateCurve", client.POST("/v1/curves/interpolate", { body: bodies.interpolate }));

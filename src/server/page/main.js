@@ -342,7 +342,7 @@ class Page {
 
   /** A request as JSON, a program, a CL file, or rows of numbers. @param {File} file */
   async openFile(file) {
-    if (file.size > LARGEST_FILE) return this.tell(TEXTS.fileTooLarge(file.name));
+    if (file.size > LARGEST_FILE) return this.tell(TEXTS.fileTooLarge(file.name, LARGEST_FILE));
     const { kind, text, value } = opened(await file.text());
     if (kind === "unknown") return this.tell(TEXTS.notUnderstood(file.name));
     if (kind === "table") return this.openTable(file.name, text);

@@ -13,7 +13,11 @@ function counted(count, one, many = `${one}s`) {
 }
 
 /** Texts of the form, and of what is around it. */
-const SHARED = { yes: "yes", no: "no", next: "Next" };
+const SHARED = {
+  yes: "yes", no: "no", next: "Next",
+  fileTooLarge: (/** @type {string} */ name, /** @type {number} */ most) =>
+    `${name} is too large for this page. Choose a file of at most ${most / 1e6} MB, or send its content with curl.`,
+};
 
 /** Texts around form and picture. */
 export const TEXTS = {
@@ -85,7 +89,6 @@ export const TEXTS = {
     `${name} could not be read: ${detail} Open a file, not a folder.`,
   notUnderstood: (/** @type {string} */ name) =>
     `${name} was not understood. Open a request in JSON, an NC program, a CL file, or a table of points (CSV or text).`,
-  fileTooLarge: (/** @type {string} */ name) => `${name} is too large for the browser. Send it with curl instead.`,
   openedRequest: (/** @type {string} */ name, /** @type {string} */ title) =>
     `${name} is opened as a request for “${title}”. Press Run.`,
   openedProgram: (/** @type {string} */ name, /** @type {string} */ title) =>
@@ -244,7 +247,6 @@ export const FORM_TEXTS = {
     none: "not split: put a blank line between rows",
   },
   tooWide: (/** @type {number} */ most) => `Some rows have more than ${counted(most, "number")}. Remove the others.`,
-  fileTooLarge: (/** @type {string} */ name) => `${name} is too large for a table. Choose a file of less than 64 MB.`,
 
   // Errors and the JSON text.
   errors: (/** @type {number} */ count) =>

@@ -32,6 +32,8 @@ class Page {
     this.contract = contract;
     this.operations = byId("operation", HTMLSelectElement);
     this.examples = byId("example", HTMLSelectElement);
+    /** Stands first among the examples. */
+    this.ownOption = new Option("", "");
     this.runButton = byId("run", HTMLButtonElement);
     this.cancelButton = byId("cancel", HTMLButtonElement);
     this.progress = byId("progress", HTMLProgressElement);
@@ -126,7 +128,10 @@ class Page {
     return true;
   }
 
-  /** Shows an operation with a request, or with its first example. @param {string} path @param {unknown} [body] */
+  /**
+   * Shows an operation with a request; without one with the request that people made, or with the first example.
+   * @param {string} path @param {unknown} [body]
+   */
   async chooseOperation(path, body) {
     const operation = this.contract.operations.find((one) => one.path === path);
     if (operation === undefined) return;
@@ -134,9 +139,25 @@ class Page {
     this.operations.value = path;
     byId("about", HTMLParagraphElement).textContent = operation.help;
     const names = [...operation.examples.keys()];
-    this.examples.replaceChildren(new Option(TEXTS.ownRequest, ""), ...names.map((name) => new Option(name, name)));
-    if (body === undefined) return this.chooseExample(names[0] ?? "");
-    this.setOwn(body);
+    this.examples.replaceChildren(this.ownOption, ...names.map((name) => new Option(name, name)));
+    this.offerOwn();
+    const shown = body ?? this.own.get(operation);
+    if (shown === undefined) return this.chooseExample(names[0] ?? "");
+    this.setOwn(shown);
+  }
+
+  /** Offers the request that people made for the operation, or tells that there is none. */
+  offerOwn() {
+    const isThere = this.own.has(this.operation);
+    this.ownOption.disabled = !isThere;
+    this.ownOption.text = isThere ? TEXTS.ownRequest : TEXTS.noOwnRequest;
+  }
+
+  /** Keeps a request that is no example. @param {unknown} body */
+  keepOwn(body) {
+    this.own.set(this.operation, body);
+    this.offerOwn();
+    this.examples.value = "";
   }
 
   /** @param {string} name */
@@ -173,9 +194,8 @@ class Page {
 
   /** Shows a request that is no example. @param {unknown} body */
   setOwn(body) {
-    this.examples.value = "";
     this.set(body);
-    this.own.set(this.operation, body);
+    this.keepOwn(body);
   }
 
   /** Shows a request. @param {unknown} body */
@@ -193,9 +213,8 @@ class Page {
       return this.showBrokenJson();
     }
     this.body = body;
-    this.own.set(this.operation, body);
+    this.keepOwn(body);
     this.markOld(true);
-    this.examples.value = "";
     if (from === "json") this.form.show(this.operation, body);
     else this.json.set(body);
   }

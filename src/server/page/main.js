@@ -4,7 +4,7 @@
 /** @import { Answer } from "./run.js" */
 
 import { exampleOf, loadContract } from "./contract.js";
-import { byId } from "./dom.js";
+import { byId, label } from "./dom.js";
 import { Downloads, saveFile } from "./downloads.js";
 import { RequestForm } from "./form/form.js";
 import { JsonText } from "./form/json.js";
@@ -38,6 +38,8 @@ class Page {
     this.cancelButton = byId("cancel", HTMLButtonElement);
     this.progress = byId("progress", HTMLProgressElement);
     this.status = byId("status", HTMLParagraphElement);
+    /** What was told at the end of the last run. */
+    this.done = "";
     this.form = new RequestForm(byId("form", HTMLElement), contract, { onchange: (value) => this.changed(value, "form") });
     this.json = new JsonText(byId("json", HTMLTextAreaElement), { onchange: (value) => this.changed(value, "json") });
     this.program = new ProgramText(byId("nc-host", HTMLElement), byId("nc", HTMLElement), {
@@ -226,9 +228,10 @@ class Page {
     this.tell(TEXTS.brokenJson);
   }
 
-  /** Tells at picture and answer whether they belong to an earlier request. @param {boolean} isOld */
+  /** Tells at picture, answer and status whether they belong to an earlier request. @param {boolean} isOld */
   markOld(isOld) {
     for (const id of ["old-picture", "old-answer"]) byId(id, HTMLElement).hidden = !isOld || !this.hasAnswer;
+    if (isOld && this.status.textContent === this.done) this.tell(TEXTS.ready);
   }
 
   /** @param {string} text */
@@ -275,8 +278,9 @@ class Page {
       });
       if (!isLatest()) return;
       this.show(answer, operation, body);
-      const seconds = digits((performance.now() - begun) / 1000);
-      this.tell(TEXTS.done(seconds, answer.warnings.length));
+      const seconds = digits(Math.round((performance.now() - begun) / 10) / 100);
+      this.done = TEXTS.done(seconds, answer.warnings.length);
+      this.tell(this.done);
     } catch (error) {
       if (isLatest()) this.fail(error, controller.signal.aborted, this.stillAsks(operation, body));
     } finally {
@@ -394,19 +398,8 @@ function ownProgram(body) {
   return typeof text === "string" ? text : undefined;
 }
 
-/** Puts the texts at their places. */
-function label() {
-  const texts = /** @type {Record<string, unknown>} */ (TEXTS);
-  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-text]"))) {
-    part.textContent = String(texts[part.dataset["text"] ?? ""] ?? "");
-  }
-  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-label]"))) {
-    part.setAttribute("aria-label", String(texts[part.dataset["label"] ?? ""] ?? ""));
-  }
-}
-
 async function begin() {
-  label();
+  label(TEXTS);
   for (const id of ["ask-tabs", "read-tabs"]) tabs(byId(id, HTMLElement));
   const status = byId("status", HTMLParagraphElement);
   status.textContent = TEXTS.loading;

@@ -5,7 +5,7 @@
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import {
-  accessible, agreement, cancelling, failingExample, following, keyboard, oldAnswers, ownRequests, pasting, pictures,
+  accessible, agreement, cancelling, corrected, failingExample, following, keyboard, oldAnswers, ownRequests, pasting, pictures,
   randomEdits, steady, twoRuns, upright, wrongFields,
 } from "./checks.mjs";
 import { differences, otherMaterials } from "./material.mjs";
@@ -146,7 +146,7 @@ async function compare(path, name) {
 const bench = { page, address, fault, open, choose, run };
 const checks = [
   wrongFields, cancelling, twoRuns, failingExample, oldAnswers, following, agreement, randomEdits, accessible, steady, pasting,
-  keyboard, upright, ownRequests, otherMaterials,
+  corrected, keyboard, upright, ownRequests, otherMaterials,
 ];
 for (const check of only.length === 0 || only.includes("checks") ? checks : []) await check(bench);
 if (process.env.SHOTS) await pictures(bench, process.env.SHOTS);

@@ -152,11 +152,13 @@ export async function oldAnswers({ page, fault, choose, run }) {
   await marks("after a run", false);
   await edit(page, (body) => { body.stepover_mm = 2.5; });
   await marks("after an edit", true);
+  const status = await page.textContent("#status");
+  if (status !== TEXTS.ready) fault(`after an edit the status is ${status}`);
   await run();
   await marks("after the next run", false);
   await page.fill("#json", "{");
-  const status = await run();
-  if (status.startsWith("Done")) fault("a text that is no JSON was run");
+  const refused = await run();
+  if (refused.startsWith("Done")) fault("a text that is no JSON was run");
   await page.click("#tab-form");
   // The question whether to replace the text is answered with no.
   await page.locator("#form .form-number-input:visible").first().fill("7");
@@ -295,6 +297,23 @@ export async function pasting({ page, fault, open, choose, run }) {
   const status = await run();
   if (!status.startsWith("Done")) fault(`pasted rows: ${status}`);
   for (const what of await missing(page, 200, [])) fault(`pasted rows: ${what}`);
+}
+
+/** A table whose rows were refused is still there when other rows take their place. */
+export async function corrected({ page, fault, open, choose, run }) {
+  await open();
+  await choose("/v1/pockets/plan", "rectangle");
+  const box = page.locator("#form .form-paste").first();
+  await box.locator("summary").click();
+  const paste = (rows) => box.locator("textarea").fill(rows.map((row) => row.join(" ")).join("\n"));
+  await paste([[0, 0], [80, 0], [0, 40], [80, 40]]);
+  const refused = await run();
+  if (!refused.startsWith("Refused")) fault(`an outline that crosses itself: ${refused}`);
+  await paste([[0, 0], [80, 0], [80, 40], [0, 40]]);
+  const size = await page.locator("#form .form-table").first().boundingBox();
+  if (!(size?.height > 50)) fault("the corrected table is not seen");
+  const done = await run();
+  if (!done.startsWith("Done")) fault(`a corrected outline: ${done}`);
 }
 
 /** Tab and Enter are enough to run the first request. */

@@ -61,6 +61,7 @@ use toolpathd_plot::bars::BarChart;
 use toolpathd_plot::diagram::Diagram;
 use toolpathd_plot::gltf::{CHORD_MM, MOST_VERTICES};
 use toolpathd_post::PassNote;
+pub use written::NcText;
 use written::{gcode, program_for};
 
 /// The result of a computation, before it is encoded in one of the forms of answers.
@@ -152,9 +153,8 @@ pub struct Cut {
     /// Remarks of the operation for the program's header and for the sheet. The caller's `meta` joins them
     /// there.
     pub comments: Vec<String>,
-    /// The text of the program, where the computation itself has written it. Then every JSON answer holds the
-    /// text.
-    pub nc: Option<String>,
+    /// The program, where the computation itself has written it. Then every JSON answer holds its text.
+    pub nc: Option<NcText>,
 }
 
 impl Product for Cut {
@@ -167,7 +167,7 @@ impl Product for Cut {
     }
 
     fn members(self, written: Option<String>, form: &Form) -> PathMembers {
-        let nc = self.nc.or(written);
+        let nc = self.nc.map(|nc| nc.text).or(written);
         // An answer with the text of the program leaves the toolpath out unless the caller asks for it.
         let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
         let measures = Some(measure_on(&self.toolpath, self.cutting.as_ref()));

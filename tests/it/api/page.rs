@@ -14,6 +14,7 @@ const ISLAND: &str = include_str!("../../../openapi/examples/pockets-plan/island
 const OPEN_SLOT: &str = include_str!("../../../openapi/examples/pockets-plan/open-slot.json");
 const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
 const VERIFIED: &str = include_str!("../../../openapi/examples/programs-verify/pocket.json");
+const THREE: &str = include_str!("../../../openapi/examples/programs-write/three-operations.json");
 const DROP: &str = include_str!("../../../openapi/examples/surfaces-drop/bowl.json");
 const CYLINDER: &str = include_str!("../../../openapi/examples/surfaces-model/cylinder.json");
 
@@ -205,16 +206,43 @@ async fn a_program_that_is_read_has_the_lines_of_its_blocks_and_a_verified_one_i
     assert!(bounds(&verified, "stock").is_some() && about(&verified)["stock_is_assumed"] == false);
 }
 
+#[tokio::test]
+async fn every_operation_of_a_program_has_the_lines_of_its_own_blocks() {
+    let app = app(&["--workers", "1"]);
+    let text = post(&app, "/v1/programs/write?format=gcode", THREE.to_owned(), &[]).await.text();
+    let file = post(&app, "/v1/programs/write?format=glb", THREE.to_owned(), &[]).await.body;
+    let ends_with = |end: &str| -> Vec<f32> {
+        (1u16..).zip(text.lines()).filter(|(_, line)| line.ends_with(end)).map(|(k, _)| k.into()).collect()
+    };
+    // The operations are passes 1, 3 and 5; between them are the ways to the next one, which the program of
+    // two tools and two work offsets does not have.
+    let plunges = [ends_with("Z-1.000 F200."), ends_with("Z-1.200 F150.")].concat();
+    assert_eq!(plunges.len(), 3, "{text}");
+    for (pass, plunge) in [1, 3, 5].into_iter().zip(plunges) {
+        let strip = format!("pass {pass}");
+        let (lines, kinds) = (numbers_of(&file, &strip, "_BLOCK"), numbers_of(&file, &strip, "_KIND"));
+        let own = lines.iter().zip(&kinds).skip(1).find(|(_, kind)| **kind == 2.0).map(|(line, _)| *line);
+        assert_eq!(own, Some(plunge), "{strip}: {lines:?}\n{text}");
+        assert!(lines[1..].is_sorted() && lines[lines.len() - 1] > plunge, "{strip}: {lines:?}");
+    }
+    for strip in ["pass 2", "pass 4"] {
+        assert!(numbers_of(&file, strip, "_BLOCK")[1..].iter().all(|line| *line == 0.0), "{strip}");
+    }
+}
+
 /// The numbers of an attribute of the first strip of a model.
 fn numbers(file: &[u8], name: &str) -> Vec<f32> {
+    numbers_of(file, "pass 1", name)
+}
+
+/// The numbers of an attribute of a strip of a model.
+fn numbers_of(file: &[u8], strip: &str, name: &str) -> Vec<f32> {
     let length = u32::from_le_bytes(file[12..16].try_into().expect("four bytes")) as usize;
     let json: Value = serde_json::from_slice(&file[20..20 + length]).expect("JSON");
     let index = |value: &Value| value.as_u64().expect("an index") as usize;
-    let strip = json["meshes"].as_array().expect("meshes").iter().find_map(|mesh| {
-        let attribute = &mesh["primitives"][0]["attributes"][name];
-        (!attribute.is_null()).then(|| index(attribute))
-    });
-    let accessor = &json["accessors"][strip.expect("a strip")];
+    let mut meshes = json["meshes"].as_array().expect("meshes").iter();
+    let mesh = meshes.find(|mesh| mesh["name"] == strip).unwrap_or_else(|| panic!("{strip}: {json}"));
+    let accessor = &json["accessors"][index(&mesh["primitives"][0]["attributes"][name])];
     let view = &json["bufferViews"][index(&accessor["bufferView"])];
     let offset = accessor.get("byteOffset").map_or(0, index) + view.get("byteOffset").map_or(0, index);
     let from = 20 + length + 8 + offset;

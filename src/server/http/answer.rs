@@ -9,6 +9,7 @@ pub mod events;
 pub mod model;
 mod page;
 pub mod program_stream;
+mod proved_cut;
 pub mod sending;
 pub mod sheet;
 mod small_job;
@@ -46,6 +47,7 @@ use crate::config::Limits;
 use encoded::Encoded;
 use events::Begun;
 use model::Solids;
+pub use proved_cut::ProvedCut;
 use small_job::SmallJob;
 use stages::Stages;
 use timing::{SERVER_TIMING, Timing};
@@ -88,6 +90,17 @@ pub trait Product {
     /// Diagrams of quantities over time. If there are any, they are the picture, and a second picture of a
     /// page.
     fn diagrams(&self) -> &[Diagram] {
+        &[]
+    }
+
+    /// For each move the time at its end on the clock of the diagrams, s; empty where that is not known.
+    fn diagram_ends_s(&self) -> &[f64] {
+        &[]
+    }
+
+    /// For each cutting move, in their order, how far it may be from what it stands for, mm; empty where that
+    /// is not known.
+    fn deviations_mm(&self) -> &[f64] {
         &[]
     }
 

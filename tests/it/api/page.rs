@@ -15,6 +15,11 @@ const OPEN_SLOT: &str = include_str!("../../../openapi/examples/pockets-plan/ope
 const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
 const VERIFIED: &str = include_str!("../../../openapi/examples/programs-verify/pocket.json");
 const THREE: &str = include_str!("../../../openapi/examples/programs-write/three-operations.json");
+const PROFILE: &str = include_str!("../../../openapi/examples/curves-interpolate/sine.json");
+const CONTOUR: &str = include_str!("../../../openapi/examples/arcs-fit/contour.json");
+const WIRE_UNION: &str = include_str!("../../../openapi/examples/surfaces-mill/wire-union.json");
+const BLADE: &str = include_str!("../../../openapi/examples/five-axis-smooth/blade.json");
+const CORNER: &str = include_str!("../../../openapi/examples/five-axis-smooth/corner.json");
 const DROP: &str = include_str!("../../../openapi/examples/surfaces-drop/bowl.json");
 const CYLINDER: &str = include_str!("../../../openapi/examples/surfaces-model/cylinder.json");
 
@@ -237,18 +242,77 @@ fn numbers(file: &[u8], name: &str) -> Vec<f32> {
 
 /// The numbers of an attribute of a strip of a model.
 fn numbers_of(file: &[u8], strip: &str, name: &str) -> Vec<f32> {
+    let strips = strips(file, name);
+    let found = strips.iter().find(|(own, _)| own == strip);
+    found.map(|(_, numbers)| numbers.clone()).unwrap_or_else(|| panic!("{strip}: {strips:?}"))
+}
+
+/// The numbers of an attribute of all strips of a model that have it, with their names.
+fn strips(file: &[u8], name: &str) -> Vec<(String, Vec<f32>)> {
     let length = u32::from_le_bytes(file[12..16].try_into().expect("four bytes")) as usize;
     let json: Value = serde_json::from_slice(&file[20..20 + length]).expect("JSON");
     let index = |value: &Value| value.as_u64().expect("an index") as usize;
-    let mut meshes = json["meshes"].as_array().expect("meshes").iter();
-    let mesh = meshes.find(|mesh| mesh["name"] == strip).unwrap_or_else(|| panic!("{strip}: {json}"));
-    let accessor = &json["accessors"][index(&mesh["primitives"][0]["attributes"][name])];
-    let view = &json["bufferViews"][index(&accessor["bufferView"])];
-    let offset = accessor.get("byteOffset").map_or(0, index) + view.get("byteOffset").map_or(0, index);
-    let from = 20 + length + 8 + offset;
-    let at =
-        |k: usize| f32::from_le_bytes(file[from + 4 * k..from + 4 * k + 4].try_into().expect("four bytes"));
-    (0..index(&accessor["count"])).map(at).collect()
+    let number = |at: usize| f32::from_le_bytes(file[at..at + 4].try_into().expect("four bytes"));
+    let numbers = |accessor: usize| -> Vec<f32> {
+        let accessor = &json["accessors"][accessor];
+        let view = &json["bufferViews"][index(&accessor["bufferView"])];
+        let offset = accessor.get("byteOffset").map_or(0, index) + view.get("byteOffset").map_or(0, index);
+        let from = 20 + length + 8 + offset;
+        (0..index(&accessor["count"])).map(|k| number(from + 4 * k)).collect()
+    };
+    let meshes = json["meshes"].as_array().expect("meshes").iter();
+    let found = meshes.filter_map(|mesh| {
+        let accessor = mesh["primitives"][0]["attributes"].get(name)?;
+        Some((mesh["name"].as_str()?.to_owned(), numbers(index(accessor))))
+    });
+    found.collect()
+}
+
+#[tokio::test]
+async fn the_largest_deviation_on_a_path_is_that_of_the_report() {
+    let app = app(&["--workers", "1"]);
+    for (path, body) in [
+        ("/v1/curves/interpolate", PROFILE),
+        ("/v1/arcs/fit", CONTOUR),
+        ("/v1/surfaces/mill", DIE),
+        ("/v1/surfaces/mill", WIRE_UNION),
+    ] {
+        let answer = post(&app, &format!("{path}?toolpath=false"), body.to_owned(), &[]).await.json();
+        let told_mm = answer["report"]["deviation_max_mm"].as_f64().expect("a deviation");
+        let file = post(&app, &format!("{path}?format=glb"), body.to_owned(), &[]).await.body;
+        let found = strips(&file, "_DEVIATION");
+        let all = || found.iter().flat_map(|(_, numbers)| numbers);
+        let largest_mm = f64::from(all().copied().fold(f32::MIN, f32::max));
+        assert!((largest_mm - told_mm).abs() < 1e-6 * told_mm, "{path}: {largest_mm} {told_mm}");
+        assert!(all().all(|mm| *mm == -1.0 || *mm >= 0.0), "{path}");
+        // Each cutting move has one, and no other move.
+        let kinds = strips(&file, "_KIND");
+        for ((_, deviations), (name, kinds)) in found.iter().zip(&kinds) {
+            let mut pairs = deviations.iter().zip(kinds).skip(1);
+            assert!(pairs.all(|(mm, kind)| (*mm >= 0.0) == (*kind == 1.0)), "{path}: {name}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn diagrams_of_five_axes_tell_their_clock_on_the_path() {
+    for body in [BLADE, CORNER] {
+        let app = app(&["--workers", "1"]);
+        let path = "/v1/five-axis/smooth";
+        let report =
+            post(&app, &format!("{path}?toolpath=false"), body.to_owned(), &[]).await.json()["report"]
+                .clone();
+        let model = model(path, body).await;
+        let clock: Vec<[f64; 2]> =
+            serde_json::from_value(about(&model)["clock"].clone()).expect("pairs of seconds");
+        let [first, .., last] = clock[..] else { panic!("{clock:?}") };
+        for diagram in about(&model)["diagrams"].as_array().expect("diagrams") {
+            assert_eq!(diagram["starts_at_s"].as_f64(), Some(first[1]));
+        }
+        let cycle_time_s = report["cycle_time_s"].as_f64().expect("a time");
+        assert!(first[0] == 0.0 && (last[0] - cycle_time_s).abs() < 1e-9, "{first:?} {last:?}");
+        assert!(clock.is_sorted_by(|a, b| a[0] <= b[0] && a[1] <= b[1]));
+    }
 }
 
 #[tokio::test]

@@ -130,7 +130,7 @@ export const TEXTS = {
   charts: {
     title: "Over the time of the program",
     motionTitle: "Over the time of the motion",
-    motion: "These diagrams show the motion without the ways in and out, so their time is not the time of the program.",
+    motion: "The motion has ramps, and leaves out the ways in and out, so its times are not those of the program.",
     feed: { name: "Feed", unit: "mm/min" },
     height: { name: "Z of the tip", unit: "mm" },
     before: "before",

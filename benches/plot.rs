@@ -59,6 +59,7 @@ fn draw(c: &mut Criterion) {
                     svg(black_box(&Scene {
                         title: "Part",
                         notes: &[],
+                        warnings: &[],
                         toolpath: Some(toolpath),
                         drawing: &Drawing::default(),
                     }))

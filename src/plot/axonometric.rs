@@ -24,9 +24,10 @@ mod isometric;
 use nalgebra::Point3;
 
 use super::class::{self, Class};
+use super::layers::{self, Layer, Pens};
 use super::layout::{Layout, Projection};
 use super::pen::{CHORD_MM, Pen};
-use super::{Drawing, MAX_PATH_BYTES, RASTERS_MM, Scene, column, marks, opening, strokes};
+use super::{Drawing, MAX_PATH_BYTES, RASTERS_MM, Scene, column, marks, opening};
 use depth::Depth;
 use isometric::Isometric;
 use toolpathd_core::geometry::flatten::flatten;
@@ -34,9 +35,6 @@ use toolpathd_core::geometry::mesh::Mesh;
 
 /// Most chords of one move. A full turn as wide as the sheet takes some 400.
 const MAX_CHORDS: usize = 10_000;
-
-/// Path data by class.
-type Paths = [String; Class::ALL.len()];
 
 /// Draws `scene` as an SVG document.
 pub fn svg(scene: &Scene) -> String {
@@ -54,13 +52,13 @@ pub fn svg(scene: &Scene) -> String {
             if let Some(mesh) = mesh {
                 out += &format!("<g class=\"relief\">\n{}</g>\n", faces::draw(mesh, &isometric));
             }
-            out += &strokes("isometric", &paths);
+            out += &layers::strokes("isometric", &paths);
             out += &ends(scene, &isometric);
             out += "</g>\n";
             if let Some(mesh) = mesh {
                 out += &format!("<style>{}</style>\n", faces::legend_style(mesh));
             }
-            out += &column::draw(scene, &layout, &used(&paths), raster_mm);
+            out += &column::draw(scene, &layout, &layers::used(paths.iter()), raster_mm);
         }
         Err(reason) => out += &column::refusal(scene, &reason.to_string()),
     }
@@ -78,7 +76,7 @@ fn ends(scene: &Scene, isometric: &Isometric) -> String {
 }
 
 /// The paths, and the cell size of the raster, mm, if strokes were left out.
-fn draw(scene: &Scene, isometric: &Isometric, depth: Option<&Depth>) -> (Paths, Option<f64>) {
+fn draw(scene: &Scene, isometric: &Isometric, depth: Option<&Depth>) -> (Vec<Layer>, Option<f64>) {
     let [finer @ .., coarsest] = RASTERS_MM;
     for raster_mm in [None].into_iter().chain(finer.map(Some)) {
         if let Some(paths) = trace(scene, isometric, depth, raster_mm, MAX_PATH_BYTES) {
@@ -96,9 +94,9 @@ fn trace(
     depth: Option<&Depth>,
     raster_mm: Option<f64>,
     max_bytes: usize,
-) -> Option<Paths> {
-    let mut pens = Class::ALL.map(|_| Pen::new(raster_mm));
-    let is_within = |pens: &[Pen]| pens.iter().map(Pen::bytes).sum::<usize>() <= max_bytes;
+) -> Option<Vec<Layer>> {
+    let mut pens = Pens::new(raster_mm);
+    let is_within = |pens: &Pens| pens.bytes() <= max_bytes;
     let Drawing { relief, surface, walls, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
         scene.drawing;
     let sides = relief.as_ref().map(sides).unwrap_or_default();
@@ -114,27 +112,31 @@ fn trace(
     ];
     for (class, wires) in polylines {
         for wire in wires {
-            polyline(wire, isometric, depth, &mut pens[class as usize]);
+            polyline(wire, isometric, depth, pens.pen(class));
             if !is_within(&pens) {
                 return None;
             }
         }
     }
-    for step in scene.toolpath.iter().flat_map(|toolpath| toolpath.moves()) {
-        let Some((class, curve)) = class::of(step) else { continue };
-        let chords = flatten(&curve, CHORD_MM / isometric.scale.value(), MAX_CHORDS);
-        let points = chords.unwrap_or_else(|_| vec![curve.start(), curve.end()]);
-        polyline(&points, isometric, depth, &mut pens[class as usize]);
-        if !is_within(&pens) {
-            return None;
+    let levels = scene.toolpath.map(layers::levels).unwrap_or_default();
+    for (pass, level) in scene.toolpath.iter().flat_map(|toolpath| toolpath.passes()).zip(levels) {
+        pens.turn_to(level);
+        for (class, curve) in pass.moves().iter().filter_map(class::of) {
+            let chords = flatten(&curve, CHORD_MM / isometric.scale.value(), MAX_CHORDS);
+            let points = chords.unwrap_or_else(|_| vec![curve.start(), curve.end()]);
+            polyline(&points, isometric, depth, pens.pen(class));
+            if !is_within(&pens) {
+                return None;
+            }
         }
     }
+    pens.turn_to(None);
     for (class, dots) in [(Class::Joint, joints), (Class::Pose, poses), (Class::Finding, findings)] {
         for dot in dots {
-            polyline(&[*dot, *dot], isometric, depth, &mut pens[class as usize]);
+            polyline(&[*dot, *dot], isometric, depth, pens.pen(class));
         }
     }
-    is_within(&pens).then(|| pens.map(Pen::finish))
+    is_within(&pens).then(|| pens.finish())
 }
 
 /// The four sides of a mesh.
@@ -170,11 +172,6 @@ fn polyline(points: &[Point3<f64>], isometric: &Isometric, depth: Option<&Depth>
             }
         }
     }
-}
-
-/// The classes with a visible stroke.
-fn used(paths: &Paths) -> Vec<Class> {
-    Class::ALL.into_iter().filter(|class| !paths[*class as usize].is_empty()).collect()
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@
 //! O(n) for n bars.
 
 use super::axes::text_at;
-use super::column::{self, LEFT_MM, LEGEND_LINE_MM, SAMPLE_MM, TOP_MM};
+use super::column::{self, LEFT_MM, LEGEND_LINE_MM, SAMPLE_MM, TOP_MM, Texts};
 use super::number::{RoundNumber, fixed, with_decimals};
 use super::text::{self, SIZE_MM, clean, escape};
 
@@ -87,6 +87,8 @@ pub struct BarScene<'a> {
     pub title: &'a str,
     /// Lines beside the charts.
     pub notes: &'a [String],
+    /// Warnings above the notes.
+    pub warnings: &'a [String],
     pub charts: &'a [BarChart],
     /// What both parts of a bar are.
     pub parts: [&'a str; 2],
@@ -244,8 +246,11 @@ fn column(scene: &BarScene, last: Option<&str>) -> String {
     let [x, top] = [LEFT_MM + 0.5 * SAMPLE_MM - 1.0, y - SIZE_MM].map(fixed);
     out += &format!("<path class=\"mark\" d=\"M{x} {top}l1.9 1.1l-1.9 1.1z\"/>\n");
     out += &column::line("", LEFT_MM + SAMPLE_MM + 3.0, y, "chosen");
-    out + &column::notes(scene.notes.iter().map(String::as_str), last, y + 2.0 * LEGEND_LINE_MM)
-        + &column::title(scene.title)
+    out + &column::notes(
+        Texts { warnings: scene.warnings, notes: scene.notes },
+        last,
+        y + 2.0 * LEGEND_LINE_MM,
+    ) + &column::title(scene.title)
 }
 
 #[cfg(test)]
@@ -261,7 +266,13 @@ mod tests {
     }
 
     fn sheets(charts: &[BarChart]) -> String {
-        svg(&BarScene { title: "Part", notes: &["a note".to_owned()], charts, parts: ["cutting", "rapids"] })
+        svg(&BarScene {
+            title: "Part",
+            notes: &["a note".to_owned()],
+            warnings: &[],
+            charts,
+            parts: ["cutting", "rapids"],
+        })
     }
 
     #[test]
@@ -323,7 +334,7 @@ mod tests {
         assert_eq!(sheet.matches("<svg").count(), MOST_CHARTS.div_ceil(COLUMNS * ROWS));
         assert_eq!(sheet.matches("class=\"chart\"").count(), MOST_CHARTS);
         assert!(sheet.contains("5 more charts are left out."));
-        assert_eq!(svg(&BarScene { title: "", notes: &[], charts: &[], parts: ["", ""] }), "");
+        assert_eq!(svg(&BarScene { title: "", notes: &[], warnings: &[], charts: &[], parts: ["", ""] }), "");
     }
 
     #[test]

@@ -143,6 +143,7 @@ pub fn style() -> String {
          .plot .frame{{fill:none;stroke:#000;stroke-width:.25}}\
          .plot .grid{{stroke:#ddd;stroke-width:.1}}\
          .plot .title{{font-size:{}px;font-weight:bold}}\
+         .plot .small{{font-size:2.1px}}.plot .smaller{{font-size:1.8px}}.plot .smallest{{font-size:1.5px}}\
          .plot .head{{font-weight:bold}}\
          .plot .axis{{font-style:italic;font-weight:bold}}\
          .plot .right{{text-anchor:end}}.plot .middle{{text-anchor:middle}}\

@@ -23,8 +23,13 @@ pub const LINE_MM: f64 = 4.0;
 pub const LEGEND_LINE_MM: f64 = 4.8;
 /// Length of the sample strokes in the legend.
 pub const SAMPLE_MM: f64 = 13.0;
-/// Most lines of one note.
+/// Most lines of one note; a warning has as many as it needs.
 const LINES_A_NOTE: usize = 2;
+/// Sizes of the text of notes, mm of paper, with their classes. The largest size is taken at which all
+/// warnings fit, with some lines of other notes. The smallest size can still be read on paper.
+const NOTE_SIZES: [(f64, &str); 4] = [(SIZE_MM, ""), (2.1, "small"), (1.8, "smaller"), (1.5, "smallest")];
+/// Lines of other notes that are told beside warnings: what a setter needs.
+const LINES_BESIDE_WARNINGS: usize = 10;
 /// Width of a number in the table of bounds.
 const NUMBER_MM: f64 = 18.5;
 /// Greatest length of the scale bar.
@@ -46,7 +51,7 @@ pub fn draw(scene: &Scene, layout: &Layout, used: &[Class], raster_mm: Option<f6
     let left_out = raster_mm.map(|mm| format!("Strokes within {mm} mm of others on paper are left out."));
     let (legend, below) = legend(scene, used, layout.projection);
     legend
-        + &notes(scene.notes.iter().map(String::as_str), left_out.as_deref(), below)
+        + &notes(scene.texts(), left_out.as_deref(), below)
         + &title(scene.title)
         + &bounds(layout)
         + &moves(scene)
@@ -55,7 +60,7 @@ pub fn draw(scene: &Scene, layout: &Layout, used: &[Class], raster_mm: Option<f6
 
 /// The column of a sheet without a drawing.
 pub fn refusal(scene: &Scene, reason: &str) -> String {
-    notes(scene.notes.iter().map(String::as_str), None, TOP_MM)
+    notes(scene.texts(), None, TOP_MM)
         + &title(scene.title)
         + &moves(scene)
         + &line("middle", 0.5 * (BORDER_MM[0] + COLUMN_X_MM), 0.5 * (BORDER_MM[1] + BORDER_MM[3]), reason)
@@ -100,24 +105,64 @@ fn legend(scene: &Scene, used: &[Class], projection: Projection) -> (String, f64
     (out, y + 2.0 * LEGEND_LINE_MM)
 }
 
-/// The notes from `y` down to the title block. The line `last` always has a place.
-pub fn notes<'a>(notes: impl Iterator<Item = &'a str>, last: Option<&str>, y: f64) -> String {
-    let place = |text: &str| text::wrap(&text::clean(text), WIDTH_MM / SIZE_MM, LINES_A_NOTE);
-    let last = last.map(place).unwrap_or_default();
-    let room = ((BLOCK_Y_MM - LINE_MM - y) / LINE_MM) as usize - last.len();
-    let mut lines: Vec<String> = notes.take(room + 1).flat_map(place).collect();
-    if lines.len() > room {
-        lines.truncate(room - 1);
-        lines.push("\u{2026}".into());
+/// The texts beside a drawing.
+#[derive(Debug, Clone, Copy)]
+pub struct Texts<'a> {
+    /// They are told whole.
+    pub warnings: &'a [String],
+    pub notes: &'a [String],
+}
+
+/// The notes from `y` down to the title block: first the warnings. The line `last` always has a place.
+pub fn notes(texts: Texts, last: Option<&str>, y: f64) -> String {
+    let set = |(size_mm, class)| Setting::of(texts, last, y, (size_mm, class));
+    let [larger @ .., smallest] = NOTE_SIZES;
+    let setting = larger.into_iter().map(set).find(|setting| setting.is_enough);
+    setting.unwrap_or_else(|| set(smallest)).draw(y)
+}
+
+/// Notes as lines of one size of text.
+struct Setting {
+    class: &'static str,
+    /// Distance between lines.
+    line_mm: f64,
+    lines: Vec<String>,
+    /// Lines that have a place below the others.
+    last: Vec<String>,
+    /// Most lines beside the last ones.
+    room: usize,
+    /// Whether the warnings and some other notes fit.
+    is_enough: bool,
+}
+
+impl Setting {
+    fn of(texts: Texts, last: Option<&str>, y: f64, (size_mm, class): (f64, &'static str)) -> Self {
+        let Texts { warnings, notes } = texts;
+        let wrapped = |text: &str, most: usize| text::wrap(&text::clean(text), WIDTH_MM / size_mm, most);
+        let line_mm = LINE_MM * size_mm / SIZE_MM;
+        let last = last.map(|text| wrapped(text, LINES_A_NOTE)).unwrap_or_default();
+        let room = (((BLOCK_Y_MM - LINE_MM - y) / line_mm) as usize).saturating_sub(last.len());
+        let mut lines: Vec<String> = warnings.iter().flat_map(|text| wrapped(text, usize::MAX)).collect();
+        let n_warnings = lines.len();
+        lines.extend(notes.iter().take(room + 1).flat_map(|text| wrapped(text, LINES_A_NOTE)));
+        let is_enough = n_warnings == 0 || lines.len().min(n_warnings + LINES_BESIDE_WARNINGS) <= room;
+        Self { class, line_mm, lines, last, room, is_enough }
     }
-    lines.extend(last);
-    if lines.is_empty() {
-        return String::new();
+
+    fn draw(mut self, y: f64) -> String {
+        if self.lines.len() > self.room {
+            self.lines.truncate(self.room.saturating_sub(1));
+            self.lines.push("\u{2026}".into());
+        }
+        self.lines.extend(self.last);
+        if self.lines.is_empty() {
+            return String::new();
+        }
+        let rows = (1_u16..).zip(&self.lines);
+        let at = |k: u16| y + LINE_MM + self.line_mm * f64::from(k - 1);
+        let text: String = rows.map(|(k, text)| line(self.class, LEFT_MM, at(k), &escape(text))).collect();
+        line("head", LEFT_MM, y, "Notes") + &text
     }
-    let rows = lines.iter().enumerate();
-    let text: String =
-        rows.map(|(k, text)| line("", LEFT_MM, y + LINE_MM * (k as f64 + 1.0), &escape(text))).collect();
-    line("head", LEFT_MM, y, "Notes") + &text
 }
 
 pub fn title(title: &str) -> String {

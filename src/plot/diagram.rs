@@ -16,7 +16,7 @@
 //! O(n) for n values.
 
 use super::axes;
-use super::column::{self, BLOCK_Y_MM, LEFT_MM, LEGEND_LINE_MM, LINE_MM, SAMPLE_MM, TOP_MM, WIDTH_MM};
+use super::column::{self, BLOCK_Y_MM, LEFT_MM, LEGEND_LINE_MM, LINE_MM, SAMPLE_MM, TOP_MM, Texts, WIDTH_MM};
 use super::number::{RoundNumber, fixed, with_decimals};
 use super::text::{self, escape};
 
@@ -64,6 +64,8 @@ pub struct DiagramScene<'a> {
     pub title: &'a str,
     /// Lines beside the diagrams.
     pub notes: &'a [String],
+    /// Warnings above the notes.
+    pub warnings: &'a [String],
     pub diagrams: &'a [Diagram],
     /// What the two motions are.
     pub before: &'a str,
@@ -235,7 +237,11 @@ fn column(scene: &DiagramScene) -> String {
         out += &format!("<path class=\"{class}\" d=\"M{x} {middle}h{SAMPLE_MM}\"/>\n");
         out += &column::line("", LEFT_MM + SAMPLE_MM + 3.0, y, &escape(label));
     }
-    out += &column::notes(scene.notes.iter().map(String::as_str), None, y + 2.0 * LEGEND_LINE_MM);
+    out += &column::notes(
+        Texts { warnings: scene.warnings, notes: scene.notes },
+        None,
+        y + 2.0 * LEGEND_LINE_MM,
+    );
     out += &column::title(scene.title);
     let largest = |course: &[[f64; 2]]| course.iter().map(|[_, value]| value.abs()).fold(0.0, f64::max);
     let mut y = BLOCK_Y_MM + 18.0;
@@ -283,7 +289,14 @@ mod tests {
 
     fn sheet(diagrams: &[Diagram]) -> String {
         let notes = ["a note".to_owned()];
-        svg(&DiagramScene { title: "Part <1>", notes: &notes, diagrams, before: "given", after: "smooth" })
+        svg(&DiagramScene {
+            title: "Part <1>",
+            notes: &notes,
+            warnings: &[],
+            diagrams,
+            before: "given",
+            after: "smooth",
+        })
     }
 
     #[test]

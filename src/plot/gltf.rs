@@ -26,6 +26,7 @@
 //! moves has up to four for each move. Turns of the tool axis add at most [`MOST_VERTICES`], and one for each
 //! move.
 
+mod clock;
 mod container;
 mod path;
 #[cfg(test)]
@@ -87,6 +88,9 @@ pub struct Content<'a> {
     pub rapid_feed: FeedRate,
     /// For each move the line of the program that ends it, from 1 on. Empty where no program is written.
     pub lines: &'a [u32],
+    /// For each cutting move, in their order, how far it may be from what it stands for, mm. Empty where that
+    /// is not known.
+    pub deviations_mm: &'a [f64],
     /// Names of passes: each with the index of the first pass that has the name. The passes up to the next
     /// index have the same name.
     pub names: &'a [(usize, String)],
@@ -97,6 +101,8 @@ pub struct Content<'a> {
     pub tool: Option<(&'a Tool, &'a ToolBody)>,
     /// Quantities over time.
     pub diagrams: &'a [Diagram],
+    /// For each move the time at its end on the clock of the diagrams, s. Empty where that is not known.
+    pub diagram_ends_s: &'a [f64],
     /// The chord of curves, mm.
     pub chord_mm: f64,
 }
@@ -121,9 +127,6 @@ pub fn glb(content: &Content) -> Vec<u8> {
     if let Some(Stock { is_assumed, .. }) = content.stock {
         about.insert("stock_is_assumed".into(), json!(is_assumed));
     }
-    if !content.diagrams.is_empty() {
-        about.insert("diagrams".into(), content.diagrams.iter().map(diagram).collect());
-    }
     if let Some((tool, body)) = content.tool {
         let mesh = turned::cutter(tool, body);
         // The cutter belongs to its tip, and not to a place of the part.
@@ -131,8 +134,10 @@ pub fn glb(content: &Content) -> Vec<u8> {
             Triangles { points: mesh.points.iter().map(|p| p + document.origin()).collect(), ..mesh };
         nodes.push(solid(&mut document, "cutter", &placed, Look::Cutter));
     }
+    let mut clock = Vec::new();
     if let Some(toolpath) = content.toolpath {
         let (strips, chord_mm) = path::strips(toolpath, content);
+        clock = clock::pairs(content.diagram_ends_s, strips.move_ends_s());
         about.insert("chord_mm".into(), json!(chord_mm));
         about.insert("kinds".into(), json!(KINDS));
         let mut passes = Vec::with_capacity(strips.passes.len());
@@ -141,6 +146,14 @@ pub fn glb(content: &Content) -> Vec<u8> {
             passes.extend(strips.passes.iter().map(|strip| path::node(&mut document, &arrays, strip)));
         }
         nodes.push(document.node(json!({ "name": "path" }), None, &passes));
+    }
+    if !content.diagrams.is_empty() {
+        let starts_at_s = clock.first().map(|[_, path_s]| *path_s);
+        let told = content.diagrams.iter().map(|one| diagram(one, starts_at_s));
+        about.insert("diagrams".into(), told.collect());
+        if !clock.is_empty() {
+            about.insert("clock".into(), json!(clock));
+        }
     }
     document.finish(content.title, &nodes, Value::Object(about))
 }
@@ -155,10 +168,14 @@ fn solid(document: &mut Document, name: &str, mesh: &Triangles, look: Look) -> u
     document.node(json!({ "name": name }), Some(mesh), &[])
 }
 
-/// A diagram in the description of the file.
-fn diagram(Diagram { name, before, after }: &Diagram) -> Value {
+/// A diagram in the description of the file, with the time of the path at which its clock starts, s.
+fn diagram(Diagram { name, before, after }: &Diagram, starts_at_s: Option<f64>) -> Value {
     let [before, after] = [before, after].map(|course| thinned(course, MOST_COLUMNS));
-    json!({ "name": name, "before": before, "after": after })
+    let mut told = json!({ "name": name, "before": before, "after": after });
+    if let Some(starts_at_s) = starts_at_s {
+        told["starts_at_s"] = json!(starts_at_s);
+    }
+    told
 }
 
 /// The place from which coordinates in the buffer count, mm.

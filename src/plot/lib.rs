@@ -34,6 +34,7 @@ mod column;
 pub mod diagram;
 pub mod gltf;
 mod ink;
+mod layers;
 mod layout;
 mod marks;
 mod number;
@@ -50,6 +51,8 @@ pub use axonometric::svg as axonometric;
 use nalgebra::Point3;
 
 use class::Class;
+use column::Texts;
+use layers::{Layer, Pens};
 use layout::Layout;
 use pen::Pen;
 use relief::Relief;
@@ -68,8 +71,16 @@ pub struct Scene<'a> {
     pub title: &'a str,
     /// Lines beside the drawing: part, tool, feeds, proved figures.
     pub notes: &'a [String],
+    /// Warnings above the notes.
+    pub warnings: &'a [String],
     pub toolpath: Option<&'a Toolpath>,
     pub drawing: &'a Drawing,
+}
+
+impl<'a> Scene<'a> {
+    fn texts(&self) -> Texts<'a> {
+        Texts { warnings: self.warnings, notes: self.notes }
+    }
 }
 
 /// What is drawn in addition to the toolpath: a surface, polylines and points; mm.
@@ -139,8 +150,8 @@ const FEWEST_OF_BLOCK: usize = 1000;
 /// The cells for a path that would be a block.
 const LEAST_OF_BLOCK_MM: f64 = 0.5;
 
-/// Path data by view and class.
-type Paths = [[String; Class::ALL.len()]; 3];
+/// Path data by view, level and class.
+type Paths = [Vec<Layer>; 3];
 
 /// Draws `scene` as an SVG document.
 pub fn svg(scene: &Scene) -> String {
@@ -159,11 +170,11 @@ pub fn svg(scene: &Scene) -> String {
                     out += &format!("<g class=\"relief\">\n{relief}</g>\n");
                 }
                 out += &axes::draw(view, &layout);
-                out += &strokes(view.id, paths);
+                out += &layers::strokes(view.id, paths);
                 out += &marks::draw(scene, view);
                 out += "</g>\n";
             }
-            out += &column::draw(scene, &layout, &used(&paths), raster_mm);
+            out += &column::draw(scene, &layout, &layers::used(paths.iter().flatten()), raster_mm);
         }
         Err(reason) => out += &column::refusal(scene, &reason.to_string()),
     }
@@ -223,10 +234,8 @@ fn is_block(toolpath: &Toolpath, scale: f64) -> bool {
 
 /// The paths; `None` if they grow beyond `max_bytes`.
 fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usize) -> Option<Paths> {
-    let mut pens = [(); 3].map(|()| Class::ALL.map(|_| Pen::new(raster_mm)));
-    let is_within = |pens: &[[Pen; Class::ALL.len()]; 3]| {
-        pens.iter().flatten().map(Pen::bytes).sum::<usize>() <= max_bytes
-    };
+    let mut pens = [(); 3].map(|()| Pens::new(raster_mm));
+    let is_within = |pens: &[Pens; 3]| pens.iter().map(Pens::bytes).sum::<usize>() <= max_bytes;
     let Drawing { relief: _, surface, walls, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
         scene.drawing;
     let polylines = [
@@ -241,33 +250,37 @@ fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usiz
     for (class, wires) in polylines {
         for wire in wires {
             for (view, pens) in layout.views.iter().zip(&mut pens) {
-                trace_wire(view, wire, &mut pens[class as usize]);
+                trace_wire(view, wire, pens.pen(class));
             }
             if !is_within(&pens) {
                 return None;
             }
         }
     }
-    for step in scene.toolpath.iter().flat_map(|toolpath| toolpath.moves()) {
-        let Some((class, curve)) = class::of(step) else { continue };
-        for (view, pens) in layout.views.iter().zip(&mut pens) {
-            view.trace(&curve, &mut pens[class as usize]);
-        }
-        if !is_within(&pens) {
-            return None;
+    let levels = scene.toolpath.map(layers::levels).unwrap_or_default();
+    for (pass, level) in scene.toolpath.iter().flat_map(|toolpath| toolpath.passes()).zip(levels) {
+        pens.iter_mut().for_each(|pens| pens.turn_to(level));
+        for (class, curve) in pass.moves().iter().filter_map(class::of) {
+            for (view, pens) in layout.views.iter().zip(&mut pens) {
+                view.trace(&curve, pens.pen(class));
+            }
+            if !is_within(&pens) {
+                return None;
+            }
         }
     }
+    pens.iter_mut().for_each(|pens| pens.turn_to(None));
     for (class, dots) in [(Class::Joint, joints), (Class::Pose, poses), (Class::Finding, findings)] {
         for dot in dots {
             for (view, pens) in layout.views.iter().zip(&mut pens) {
-                trace_wire(view, std::slice::from_ref(dot), &mut pens[class as usize]);
+                trace_wire(view, std::slice::from_ref(dot), pens.pen(class));
             }
         }
     }
     if !is_within(&pens) {
         return None;
     }
-    Some(pens.map(|pens| pens.map(Pen::finish)))
+    Some(pens.map(Pens::finish))
 }
 
 fn trace_wire(view: &View, wire: &[Point3<f64>], pen: &mut Pen) {
@@ -277,25 +290,4 @@ fn trace_wire(view: &View, wire: &[Point3<f64>], pen: &mut Pen) {
     if let [point] = wire {
         pen.line(view.project(point), view.project(point));
     }
-}
-
-/// The classes with a stroke in some view.
-fn used(paths: &Paths) -> Vec<Class> {
-    Class::ALL
-        .into_iter()
-        .filter(|class| paths.iter().any(|view| !view[*class as usize].is_empty()))
-        .collect()
-}
-
-/// The paths of a view, each with an id and a title, so that a page can style and explain it.
-fn strokes(view: &str, paths: &[String; Class::ALL.len()]) -> String {
-    let elements = Class::ALL.iter().zip(paths).filter(|(_, data)| !data.is_empty());
-    elements
-        .map(|(class, data)| {
-            let (name, label) = (class.name(), class.label());
-            format!(
-                "<path class=\"{name}\" d=\"{data}\" id=\"{view}-{name}\"><title>{label}</title></path>\n"
-            )
-        })
-        .collect()
 }

@@ -19,12 +19,18 @@ fn feed() -> FeedRate {
 }
 
 fn of_path(toolpath: &Toolpath) -> String {
-    svg(&Scene { title: "Part", notes: &[], toolpath: Some(toolpath), drawing: &super::Drawing::default() })
+    svg(&Scene {
+        title: "Part",
+        notes: &[],
+        warnings: &[],
+        toolpath: Some(toolpath),
+        drawing: &super::Drawing::default(),
+    })
 }
 
 fn of_wires(surface: &[Vec<Point3<f64>>]) -> String {
     let drawing = super::Drawing::of_surface(surface.to_vec());
-    svg(&Scene { title: "Part", notes: &[], toolpath: None, drawing: &drawing })
+    svg(&Scene { title: "Part", notes: &[], warnings: &[], toolpath: None, drawing: &drawing })
 }
 
 /// A square of 80 mm, cut counterclockwise. Its corner at (80, 80) is rounded with 10 mm.
@@ -265,7 +271,7 @@ proptest! {
     fn text_is_never_markup(title in any::<String>(), notes in prop::collection::vec(any::<String>(), 0..60)) {
         let square = square();
         let draw = |title: &str, notes: &[String]| {
-            svg(&Scene { title, notes, toolpath: Some(&square), drawing: &super::Drawing::default() })
+            svg(&Scene { title, notes, warnings: &[], toolpath: Some(&square), drawing: &super::Drawing::default() })
         };
         let told = draw(&title, &notes);
         let document = roxmltree::Document::parse(&told).map_err(|e| TestCaseError::fail(e.to_string()))?;
@@ -307,4 +313,59 @@ fn passes_that_would_be_a_block_are_thinned_and_others_are_all_drawn() {
     assert!(sparse >= 81 && !is_thinned, "{sparse}");
     let (dense, is_thinned) = lines(0.05);
     assert!(dense < 400 && is_thinned, "{dense} of 1601 lines");
+}
+
+#[test]
+fn the_paths_of_passes_have_the_levels_of_the_toolpath() {
+    let mut builder = Toolpath::builder(Point3::new(0.0, 0.0, 5.0));
+    for level in [0, 1, 0] {
+        builder.begin_pass(Some(level));
+        builder.line(Point3::new(20.0, 5.0 * f64::from(level), 0.0), feed(), Role::Cut).unwrap();
+        builder.rapid(Point3::new(0.0, 0.0, 5.0)).unwrap();
+    }
+    let levels = builder.finish().unwrap();
+    compare(&levels);
+    let told = of_path(&levels);
+    let document = roxmltree::Document::parse(&told).unwrap();
+    let mut found: Vec<(&str, Option<&str>)> = document
+        .descendants()
+        .filter_map(|node| Some((node.attribute("id")?, node.attribute("data-level"))))
+        .filter(|(id, _)| id.starts_with("plan-"))
+        .collect();
+    found.sort_unstable();
+    let expected = ["plan-cut-0", "plan-cut-1", "plan-rapid-0", "plan-rapid-1"];
+    assert_eq!(found, expected.map(|id| (id, Some(&id[id.len() - 1..]))));
+    assert!(told.contains("<title>cut, line, level 2</title>"), "{told}");
+    // Without levels there are none.
+    assert!(!of_path(&square()).contains("data-level"));
+    assert!(of_path(&square()).contains("id=\"plan-cut\""));
+}
+
+#[test]
+fn warnings_are_told_whole_beside_the_notes_and_above_the_title() {
+    let square = square();
+    let warning = |k: usize| {
+        let words = "the plunge is faster than the feed of the cutting edge allows, so choose a lower feed";
+        format!("WARNING: plunge_{k} - {words}; {words} or another tool")
+    };
+    let notes: Vec<String> = (0..10).map(|k| format!("note {k}")).collect();
+    for count in [1, 4, 7] {
+        let warnings: Vec<String> = (0..count).map(warning).collect();
+        let told = svg(&Scene {
+            title: "Part",
+            notes: &notes,
+            warnings: &warnings,
+            toolpath: Some(&square),
+            drawing: &super::Drawing::default(),
+        });
+        let document = roxmltree::Document::parse(&told).unwrap();
+        let texts: Vec<_> = document.descendants().filter(|node| node.has_tag_name("text")).collect();
+        let words: Vec<&str> = texts.iter().filter_map(|text| text.text()).collect();
+        let words = words.join(" ");
+        for text in warnings.iter().chain(&notes) {
+            assert!(words.contains(text.as_str()), "{count}: {text}\n{words}");
+        }
+        let last = texts.iter().find(|text| text.text() == Some("note 9")).unwrap();
+        assert!(last.attribute("y").unwrap().parse::<f64>().unwrap() < 141.0, "{count}");
+    }
 }

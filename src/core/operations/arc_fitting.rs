@@ -140,6 +140,8 @@ pub enum Warning {
 #[derive(Debug, Clone)]
 pub struct Plan {
     pub toolpath: Toolpath,
+    /// For each cutting move of the toolpath, in their order, its deviation, mm.
+    pub deviations_mm: Vec<f64>,
     /// The joints of the curves, and both ends of the path.
     pub joints: Vec<Point3<f64>>,
     pub report: Report,
@@ -252,12 +254,14 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         let largest_radius_mm = job.curves.largest_radius_mm;
         warnings.push(Warning::RadiusLimited { largest_radius_mm, n_joints: n_needless });
     }
-    Ok(Plan { toolpath, joints, warnings, report, cutting })
+    Ok(Plan { toolpath, deviations_mm: figures.deviations_mm, joints, warnings, report, cutting })
 }
 
 /// Deviations of curves and points, mm.
 struct Figures {
     deviation_mm: f64,
+    /// Of each curve.
+    deviations_mm: Vec<f64>,
     written_mm: f64,
     /// The distance between the curves and the lines between the points, both ways.
     from_lines_mm: f64,
@@ -302,6 +306,7 @@ fn measured(
 ) -> Result<Figures, Error> {
     let mut figures = Figures {
         deviation_mm: 0.0,
+        deviations_mm: Vec::with_capacity(pieces.len()),
         written_mm: 0.0,
         from_lines_mm: 0.0,
         is_far: Vec::with_capacity(pieces.len()),
@@ -324,6 +329,7 @@ fn measured(
         let rounded = round(&piece.curve, job.resolution, &job.curves)?;
         figures.is_far.push(deviation_mm > job.fit.tolerance_mm);
         figures.from_lines_mm = figures.from_lines_mm.max(from_lines_mm);
+        figures.deviations_mm.push(deviation_mm);
         figures.deviation_mm = figures.deviation_mm.max(deviation_mm);
         figures.written_mm = figures.written_mm.max(deviation_mm + rounded.displacement_mm);
         start = piece.end;

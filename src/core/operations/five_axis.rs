@@ -95,6 +95,9 @@ pub struct Plan {
     pub period_s: f64,
     /// Straight moves along the smooth path.
     pub toolpath: Toolpath,
+    /// For each move of the toolpath the time of the motion at its end, s. The ways in and out take no time
+    /// of the motion.
+    pub move_ends_s: Vec<f64>,
     pub warnings: Vec<Warning>,
 }
 
@@ -207,7 +210,7 @@ fn plan_past_poles(
         job,
         &path,
         &rails,
-        moves::Along { drive: drive.as_ref(), followed: followed.as_ref() },
+        moves::Along { feeding: &motion, drive: drive.as_ref(), followed: followed.as_ref() },
         budget,
     )?;
     progress.tell_one(budget);
@@ -243,7 +246,7 @@ fn plan_past_poles(
     };
     let limits_unproved_at = drive.as_ref().and_then(Drive::gap);
     let warnings = report.warnings(limits_unproved_at);
-    Ok(Plan { warnings, report, samples, period_s, toolpath: moves.toolpath })
+    Ok(Plan { warnings, report, samples, period_s, toolpath: moves.toolpath, move_ends_s: moves.ends_s })
 }
 
 /// The given path, cleaned and led past poles within parts of the tolerance. The method of the paper takes it

@@ -150,6 +150,9 @@ pub struct Plan {
     pub curve: AnyCurve,
     pub band: BandAlong,
     pub toolpath: Toolpath,
+    /// For each cutting move of the toolpath, in their order, its proved deviation from the curve, mm. Empty
+    /// for the path of a compensated tool.
+    pub deviations_mm: Vec<f64>,
     pub report: Report,
     /// The conditions with every default filled in.
     pub cutting: Option<Cutting>,
@@ -253,7 +256,8 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         deviation_written_max_mm: path.deviation_written_mm,
         elements: divided.elements,
     };
-    Ok(Plan { curve, band, toolpath: path.toolpath, report, cutting: path.cutting, warnings })
+    let (toolpath, deviations_mm, cutting) = (path.toolpath, path.deviations_mm, path.cutting);
+    Ok(Plan { curve, band, toolpath, deviations_mm, report, cutting, warnings })
 }
 
 /// The largest radius of the arcs of a job, mm.

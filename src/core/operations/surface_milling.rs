@@ -150,6 +150,8 @@ pub enum Warning {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     pub toolpath: Toolpath,
+    /// For each cutting move of the toolpath, in their order, the proved bound of its deviation, mm.
+    pub deviations_mm: Vec<f64>,
     pub report: Report,
     /// The conditions with every default filled in.
     pub cutting: Cutting,

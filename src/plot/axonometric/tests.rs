@@ -7,7 +7,7 @@ use toolpathd_core::toolpath::units::FeedRate;
 use toolpathd_core::toolpath::{Role, Toolpath};
 
 fn sheet(drawing: &Drawing, toolpath: Option<&Toolpath>) -> String {
-    svg(&Scene { title: "Part", notes: &[], toolpath, drawing })
+    svg(&Scene { title: "Part", notes: &[], warnings: &[], toolpath, drawing })
 }
 
 fn wire(from: [f64; 3], to: [f64; 3]) -> Vec<Point3<f64>> {
@@ -91,7 +91,13 @@ fn a_toolpath_has_its_moves_and_its_ends() {
     assert!(sheet.contains("class=\"start\"") && sheet.contains("class=\"end\""));
     assert!(!sheet.contains("direction of the cut") && !sheet.contains("first angle"));
     assert!(
-        super::svg(&Scene { title: "", notes: &[], toolpath: None, drawing: &Drawing::default() })
-            .contains("nothing to draw")
+        super::svg(&Scene {
+            title: "",
+            notes: &[],
+            warnings: &[],
+            toolpath: None,
+            drawing: &Drawing::default()
+        })
+        .contains("nothing to draw")
     );
 }

@@ -21,6 +21,9 @@ const MOST_NODES: usize = 2000;
 const DWELL: u8 = 7;
 const UNKNOWN: u8 = 9;
 
+/// Stands for a deviation that is not known.
+const NOT_KNOWN: f32 = -1.0;
+
 /// The colours of the kinds: red, green, blue and opacity.
 const COLORS: [[u8; 4]; KINDS.len()] = [
     [150, 150, 150, 255],
@@ -46,6 +49,10 @@ pub struct Strips {
     kinds: Vec<u8>,
     feeds: Vec<f32>,
     lines: Vec<u32>,
+    /// The deviation of the stretch that ends at the vertex, mm; [`NOT_KNOWN`] where it is not known.
+    deviations_mm: Vec<f32>,
+    /// Seconds from the start of the program at the end of each move, where a clock needs them.
+    ends_s: Vec<f64>,
     /// The tool axis; empty where it is straight up throughout.
     axes: Vec<UnitVector3<f64>>,
     pub passes: Vec<Strip>,
@@ -66,11 +73,10 @@ pub fn strips(toolpath: &Toolpath, content: &Content) -> (Strips, f64) {
     let shared = toolpath.passes().len().div_ceil(MOST_NODES).max(1);
     let turn = largest_turn(toolpath);
     let is_leaning = !toolpath.is_upright();
-    let mut walk = Walk { chord_mm, turn, content, is_leaning, seconds: 0.0, n_moves: 0 };
+    let mut walk = Walk { chord_mm, turn, content, is_leaning, seconds: 0.0, n_moves: 0, n_cuts: 0 };
     let mut at = toolpath.start();
     for (k, pass) in toolpath.passes().iter().enumerate() {
-        let is_apart = pass.start().is_some() && strips.passes.len() < MOST_NODES;
-        if k % shared == 0 || is_apart || strips.passes.is_empty() {
+        if k % shared == 0 {
             strips.begin(k, pass, content);
             walk.start(&mut strips, pass, pass.start().unwrap_or(at));
         } else if let Some(start) = pass.start() {
@@ -104,6 +110,11 @@ fn even_points(curve: &Curve, count: usize) -> Vec<Point3<f64>> {
 }
 
 impl Strips {
+    /// Seconds from the start of the program at the end of each move; nothing where they are not known.
+    pub fn move_ends_s(&self) -> &[f64] {
+        if self.has_times { &self.ends_s } else { &[] }
+    }
+
     fn begin(&mut self, index: usize, pass: &Pass, content: &Content) {
         let told = content.names.iter().rev().find(|(from, _)| *from <= index).map(|(_, text)| text.as_str());
         let name = match told {
@@ -130,6 +141,7 @@ struct Walk<'a> {
     is_leaning: bool,
     seconds: f64,
     n_moves: usize,
+    n_cuts: usize,
 }
 
 /// What holds along a move.
@@ -139,22 +151,39 @@ struct MoveFacts {
     /// `None` where the move has no feed.
     seconds: Option<f64>,
     line: u32,
+    deviation_mm: f32,
     axes: [UnitVector3<f64>; 2],
 }
 
 impl Walk<'_> {
     /// The first vertex of a strip.
     fn start(&mut self, strips: &mut Strips, pass: &Pass, at: Point3<f64>) {
-        let (kind, feed) = pass.moves().first().map_or((0, 0.0), |step| (kind(step), feed(step)));
+        let first = pass.moves().first();
+        let (kind, feed) = first.map_or((0, 0.0), |step| (kind(step), feed(step)));
+        let deviation_mm = first.map_or(NOT_KNOWN, |step| self.deviation_mm(step));
         let line = self.n_moves.checked_sub(1).and_then(|k| self.content.lines.get(k)).copied().unwrap_or(0);
         let axis = pass.axes().start();
-        self.push(strips, at, &MoveFacts { kind, feed, seconds: Some(0.0), line, axes: [axis; 2] }, 1.0);
+        let stretch = MoveFacts { kind, feed, seconds: Some(0.0), line, deviation_mm, axes: [axis; 2] };
+        self.push(strips, at, &stretch, 1.0);
+    }
+
+    /// The deviation of the next move, mm.
+    fn deviation_mm(&self, step: &Move) -> f32 {
+        let known = if is_cut(step) { self.content.deviations_mm.get(self.n_cuts) } else { None };
+        known.map_or(NOT_KNOWN, |mm| if mm.is_finite() { *mm as f32 } else { NOT_KNOWN })
     }
 
     /// Goes on at a place to which the way is not known, within a strip that several passes share.
     fn jump(&self, strips: &mut Strips, pass: &Pass, at: Point3<f64>) {
         let axes = [pass.axes().start(); 2];
-        let stretch = MoveFacts { kind: UNKNOWN, feed: 0.0, seconds: Some(0.0), line: 0, axes };
+        let stretch = MoveFacts {
+            kind: UNKNOWN,
+            feed: 0.0,
+            seconds: Some(0.0),
+            line: 0,
+            deviation_mm: NOT_KNOWN,
+            axes,
+        };
         if let Some(last) = strips.places.last().copied() {
             self.push(strips, last, &stretch, 0.0);
         }
@@ -170,9 +199,14 @@ impl Walk<'_> {
             let to = pass.axes().after(k);
             let rapid_feed = self.content.rapid_feed.mm_per_min();
             let seconds = seconds(step, rapid_feed);
-            let stretch = MoveFacts { kind: kind(step), feed: feed(step), seconds, line, axes: [axis, to] };
+            let (kind, feed, deviation_mm) = (kind(step), feed(step), self.deviation_mm(step));
+            let stretch = MoveFacts { kind, feed, seconds, line, deviation_mm, axes: [axis, to] };
             at = self.step(strips, step, &stretch).or(at);
             (axis, self.n_moves) = (to, self.n_moves + 1);
+            self.n_cuts += usize::from(is_cut(step));
+            if !self.content.diagram_ends_s.is_empty() {
+                strips.ends_s.push(self.seconds);
+            }
         }
         at
     }
@@ -219,6 +253,7 @@ impl Walk<'_> {
         strips.kinds.push(stretch.kind);
         strips.feeds.push(stretch.feed);
         strips.lines.push(stretch.line);
+        strips.deviations_mm.push(stretch.deviation_mm);
         if self.is_leaning {
             strips.axes.push(between(&stretch.axes[0], &stretch.axes[1], part));
         }
@@ -248,6 +283,10 @@ fn kind(step: &Move) -> u8 {
         Move::Dwell { .. } => DWELL,
         Move::Turn { .. } => DWELL + 1,
     }
+}
+
+fn is_cut(step: &Move) -> bool {
+    matches!(step, Move::Feed { role: Role::Cut, .. })
 }
 
 /// The feed of a move, mm/min; 0 for a move without one.
@@ -291,6 +330,9 @@ impl Arrays {
         if strips.lines.iter().any(|line| *line > 0) {
             let lines = strips.lines.iter().map(|line| *line as f32).collect();
             others.push(("_BLOCK", scalars(lines, document)));
+        }
+        if strips.deviations_mm.iter().any(|mm| *mm >= 0.0) {
+            others.push(("_DEVIATION", scalars(strips.deviations_mm.clone(), document)));
         }
         if !strips.axes.is_empty() {
             let axes: Vec<[f32; 3]> =

@@ -83,12 +83,14 @@ fn content(toolpath: Option<&Toolpath>) -> Content<'_> {
         toolpath,
         rapid_feed: feed(4800.0),
         lines: &[],
+        deviations_mm: &[],
         names: &[],
         part: None,
         part_chord_mm: None,
         stock: None,
         tool: None,
         diagrams: &[],
+        diagram_ends_s: &[],
         chord_mm: CHORD_MM,
     }
 }
@@ -236,12 +238,49 @@ fn passes_beyond_the_nodes_share_strips_with_ways_that_are_not_known() {
     let path = path.finish().unwrap();
     let file = File::read(&glb(&content(Some(&path))));
     let strips = file.json["meshes"].as_array().unwrap().len();
-    assert!((1500..=4000).contains(&strips), "{strips}");
-    let kinds = |name: &str| file.attribute(name, "_KIND");
-    assert!(!kinds("pass 1").contains(&9.0));
-    let names = file.json["nodes"].as_array().unwrap().iter().filter_map(|node| node["name"].as_str());
-    let shared = names.rev().find(|name| name.starts_with("pass ")).unwrap().to_owned();
-    assert!(kinds(&shared).contains(&9.0), "{shared}");
+    assert_eq!(strips, 1500);
+    // Two passes of a strip, with the way between them.
+    assert_eq!(file.attribute("pass 1", "_KIND"), [1.0, 1.0, 9.0, 9.0, 1.0, 1.0]);
+    let places = file.places("pass 2999");
+    assert!((places[3] - places[0] - Vector3::x()).norm() < 1e-3, "{places:?}");
+}
+
+#[test]
+fn deviations_belong_to_the_cutting_moves_and_are_absent_where_none_is_known() {
+    let mut path = Toolpath::builder(Point3::new(0.0, 0.0, 5.0));
+    path.line(Point3::origin(), feed(60.0), Role::Plunge).unwrap();
+    path.line(Point3::new(1.0, 0.0, 0.0), feed(60.0), Role::Cut).unwrap();
+    path.line(Point3::new(2.0, 0.0, 0.0), feed(60.0), Role::Cut).unwrap();
+    path.line(Point3::new(3.0, 0.0, 0.0), feed(60.0), Role::Cut).unwrap();
+    path.rapid(Point3::new(3.0, 0.0, 5.0)).unwrap();
+    let path = path.finish().unwrap();
+    let told = Content { deviations_mm: &[0.25, 0.5, f64::NAN], ..content(Some(&path)) };
+    let found = File::read(&glb(&told)).attribute("pass 1", "_DEVIATION");
+    // The vertices twice at one place are those where the kind changes.
+    assert_eq!(found, [-1.0, -1.0, 0.25, 0.25, 0.5, -1.0, -1.0, -1.0]);
+    let plain = File::read(&glb(&content(Some(&path))));
+    assert!(plain.json["meshes"][0]["primitives"][0]["attributes"].get("_DEVIATION").is_none());
+}
+
+#[test]
+fn diagrams_tell_the_time_of_the_path_at_which_their_clock_starts() {
+    let path = path();
+    let diagrams = [Diagram { name: "feed".into(), before: Vec::new(), after: vec![[0.0, 1.0], [6.0, 1.0]] }];
+    // The rapid and the plunge are the way in, and the rapid at the end is the way out.
+    let ends_s = [0.0, 0.0, 4.0, 6.0, 6.0];
+    let told = Content { diagrams: &diagrams, diagram_ends_s: &ends_s, ..content(Some(&path)) };
+    let file = File::read(&glb(&told));
+    let about = &file.node("part")["extras"];
+    let starts_at_s = about["diagrams"][0]["starts_at_s"].as_f64().unwrap();
+    assert!((starts_at_s - 3.6).abs() < 1e-9, "{starts_at_s}");
+    let clock = about["clock"].as_array().unwrap();
+    let times: Vec<[f64; 2]> = clock.iter().map(|pair| [0, 1].map(|k| pair[k].as_f64().unwrap())).collect();
+    let expected = [[0.0, 3.6], [4.0, 3.6 + PI], [6.0, 5.1 + PI]];
+    let differs = |(found, told): (&[f64; 2], &[f64; 2])| (0..2).any(|k| (found[k] - told[k]).abs() > 1e-9);
+    assert!(times.len() == 3 && !times.iter().zip(&expected).any(differs), "{times:?}");
+    let plain = File::read(&glb(&Content { diagram_ends_s: &[], ..told }));
+    let about = &plain.node("part")["extras"];
+    assert!(about.get("clock").is_none() && about["diagrams"][0].get("starts_at_s").is_none());
 }
 
 #[test]

@@ -52,7 +52,9 @@ impl Drawing {
                     ("rect", _) => drop(frames.insert(id.clone(), ["x", "y", "width", "height"].map(number))),
                     ("path", "grid" | "solid" | "end") => {}
                     ("path", _) => {
-                        drop(paths.insert((id.clone(), class), node.attribute("d").unwrap().to_owned()))
+                        // A class has a path on each level.
+                        let data: &mut String = paths.entry((id.clone(), class)).or_default();
+                        data.push_str(node.attribute("d").unwrap());
                     }
                     ("text", "middle") => {
                         ticks.insert(

@@ -21,7 +21,7 @@ fn patches(n: usize, at: impl Fn(f64, f64) -> [f64; 3]) -> BezierSurface {
 
 fn drawn(surface: &dyn Surface) -> String {
     let drawing = Drawing::of_relief(surface, sketch(surface));
-    svg(&Scene { title: "Part", notes: &[], toolpath: None, drawing: &drawing })
+    svg(&Scene { title: "Part", notes: &[], warnings: &[], toolpath: None, drawing: &drawing })
 }
 
 /// The bands at a place of the plan, in the order of painting.

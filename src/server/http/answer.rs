@@ -9,6 +9,7 @@ pub mod events;
 pub mod model;
 mod page;
 pub mod program_stream;
+mod proved_cut;
 pub mod sending;
 pub mod sheet;
 mod small_job;
@@ -46,6 +47,7 @@ use crate::config::Limits;
 use encoded::Encoded;
 use events::Begun;
 use model::Solids;
+pub use proved_cut::ProvedCut;
 use small_job::SmallJob;
 use stages::Stages;
 use timing::{SERVER_TIMING, Timing};
@@ -61,6 +63,7 @@ use toolpathd_plot::bars::BarChart;
 use toolpathd_plot::diagram::Diagram;
 use toolpathd_plot::gltf::{CHORD_MM, MOST_VERTICES};
 use toolpathd_post::PassNote;
+pub use written::NcText;
 use written::{gcode, program_for};
 
 /// The result of a computation, before it is encoded in one of the forms of answers.
@@ -87,6 +90,17 @@ pub trait Product {
     /// Diagrams of quantities over time. If there are any, they are the picture, and a second picture of a
     /// page.
     fn diagrams(&self) -> &[Diagram] {
+        &[]
+    }
+
+    /// For each move the time at its end on the clock of the diagrams, s; empty where that is not known.
+    fn diagram_ends_s(&self) -> &[f64] {
+        &[]
+    }
+
+    /// For each cutting move, in their order, how far it may be from what it stands for, mm; empty where that
+    /// is not known.
+    fn deviations_mm(&self) -> &[f64] {
         &[]
     }
 
@@ -152,9 +166,8 @@ pub struct Cut {
     /// Remarks of the operation for the program's header and for the sheet. The caller's `meta` joins them
     /// there.
     pub comments: Vec<String>,
-    /// The text of the program, where the computation itself has written it. Then every JSON answer holds the
-    /// text.
-    pub nc: Option<String>,
+    /// The program, where the computation itself has written it. Then every JSON answer holds its text.
+    pub nc: Option<NcText>,
 }
 
 impl Product for Cut {
@@ -167,7 +180,7 @@ impl Product for Cut {
     }
 
     fn members(self, written: Option<String>, form: &Form) -> PathMembers {
-        let nc = self.nc.or(written);
+        let nc = self.nc.map(|nc| nc.text).or(written);
         // An answer with the text of the program leaves the toolpath out unless the caller asks for it.
         let with_toolpath = form.with_toolpath.unwrap_or(nc.is_none());
         let measures = Some(measure_on(&self.toolpath, self.cutting.as_ref()));

@@ -46,3 +46,13 @@ export function button(text, press, name) {
 export function rich(text) {
   return text.split("`").map((part, at) => (at % 2 ? el("code", {}, part) : document.createTextNode(part)));
 }
+
+/** Puts texts at the places that name them. @param {Record<string, unknown>} texts */
+export function label(texts) {
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-text]"))) {
+    part.textContent = String(texts[part.dataset["text"] ?? ""] ?? "");
+  }
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-label]"))) {
+    part.setAttribute("aria-label", String(texts[part.dataset["label"] ?? ""] ?? ""));
+  }
+}

@@ -19,8 +19,10 @@ const FLOAT = 5126;
  * @typedef {{ name?: string, mesh?: number, children?: number[], translation?: number[], extras?: Record<string, unknown> }} Node
  * @typedef {{ nodes: Node[], scenes: { nodes: number[] }[], meshes?: { primitives: Primitive[] }[],
  *   accessors?: Accessor[], bufferViews?: BufferView[] }} Description
+ * @typedef {PathData & { deviations: Float32Array | null }} ModelPath  the deviation of the stretch that ends at each
+ *   vertex, mm, NaN where it is not known; null where none is known
  * @typedef {object} Model
- * @property {PathData | null} path
+ * @property {ModelPath | null} path
  * @property {Map<string, MeshData>} solids by the names of their nodes
  * @property {boolean} isStockAssumed whether the service chose the size of the stock
  * @property {Diagram[]} diagrams
@@ -107,23 +109,23 @@ export function readModel(file) {
   const reader = new Reader(file);
   /** @type {Map<string, MeshData>} */
   const solids = new Map();
-  /** @type {PathData | null} */
+  /** @type {ModelPath | null} */
   let path = null;
   for (const node of reader.children) {
     const primitive = reader.primitive(node);
     if (node.name === "path") path = readPath(reader, node);
     else if (primitive !== undefined) solids.set(node.name ?? "", solid(reader, primitive, node.name === "cutter"));
   }
-  const { stock_is_assumed: isStockAssumed, diagrams } = reader.extras;
+  const { stock_is_assumed: isStockAssumed, diagrams, clock } = reader.extras;
   return {
     path, solids, isStockAssumed: isStockAssumed === true,
-    diagrams: Array.isArray(diagrams) ? diagrams.map(diagram) : [],
+    diagrams: Array.isArray(diagrams) ? diagrams.map((told) => diagram(told, Array.isArray(clock) ? clock : [])) : [],
   };
 }
 
-/** @param {Partial<Diagram>} told @returns {Diagram} */
-function diagram({ name = "", before = [], after = [] }) {
-  return { name, before, after };
+/** @param {Partial<Diagram>} told @param {[number, number][]} clock @returns {Diagram} */
+function diagram({ name = "", before = [], after = [] }, clock) {
+  return { name, before, after, clock };
 }
 
 /** @param {Reader} reader @param {Primitive} primitive @param {boolean} isFree of the origin of the part */
@@ -135,7 +137,7 @@ function solid(reader, primitive, isFree) {
   return { positions, normals, indices: reader.indices(primitive.indices).slice() };
 }
 
-/** @param {Reader} reader @param {Node} node @returns {PathData | null} */
+/** @param {Reader} reader @param {Node} node @returns {ModelPath | null} */
 function readPath(reader, node) {
   const passes = (node.children ?? []).map((k) => reader.node(k));
   const count = passes.reduce((sum, pass) => sum + vertices(reader, pass), 0);
@@ -147,8 +149,10 @@ function readPath(reader, node) {
     feeds: new Float32Array(count),
     blocks: new Uint32Array(count),
     axes: /** @type {Float32Array | null} */ (null),
+    deviations: /** @type {Float32Array | null} */ (null),
     strips: /** @type {PathData["strips"]} */ ([]),
   };
+  const kinds = kindNames(reader);
   let first = 0;
   // People count passes and levels from 1.
   for (const [k, pass] of passes.entries()) {
@@ -164,22 +168,52 @@ function readPath(reader, node) {
       path.axes ??= new Float32Array(3 * count);
       path.axes.set(reader.floats(attributes["_AXIS"]), 3 * first);
     }
+    if (attributes["_DEVIATION"] !== undefined) {
+      path.deviations ??= new Float32Array(count).fill(NaN);
+      path.deviations.set(reader.floats(attributes["_DEVIATION"]).map((mm) => (mm < 0 ? NaN : mm)), first);
+    }
     const level = pass.extras?.["level"];
     const length = places.length / 3;
     // Passes without moves have no strip, so the number of the pass stands in the name.
     const number = Number(/\d+/.exec(pass.name ?? "")?.[0] ?? k + 1);
-    path.strips.push({ first, count: length, pass: number, level: typeof level === "number" ? level + 1 : null });
+    const told = { pass: number, level: typeof level === "number" ? level + 1 : null };
+    const parts = connected(path.kinds.subarray(first, first + length), kinds.indexOf("unknown"));
+    path.strips.push(...parts.map(({ from, to }) => ({ first: first + from, count: to - from, ...told })));
     first += length;
   }
-  const numbers = kindNumbers(reader.extras["kinds"]);
+  const numbers = kindNumbers(kinds);
   for (let k = 0; k < count; k++) path.kinds[k] = numbers[path.kinds[k] ?? CUT] ?? CUT;
   return path;
 }
 
-/** The view's number of each kind of a file; what the view does not know counts as a cut. @param {unknown} names */
+/**
+ * The parts of a strip between the ways that the program does not tell. Such a way ends at the last of the vertices that
+ * have its kind.
+ * @param {Uint8Array} kinds of the vertices
+ * @param {number} unknown the number of such a way; -1 for none
+ */
+function connected(kinds, unknown) {
+  /** @type {{ from: number, to: number }[]} */
+  const parts = [];
+  let from = 0;
+  for (const [k, kind] of kinds.entries()) {
+    if (kind !== unknown) continue;
+    if (k - from > 1) parts.push({ from, to: k });
+    from = k;
+  }
+  parts.push({ from, to: kinds.length });
+  return parts;
+}
+
+/** The names of the kinds of a file. @param {Reader} reader @returns {readonly unknown[]} */
+function kindNames(reader) {
+  const names = reader.extras["kinds"];
+  return Array.isArray(names) ? names : KINDS;
+}
+
+/** The view's number of each kind of a file; what the view does not know counts as a cut. @param {readonly unknown[]} names */
 function kindNumbers(names) {
-  const told = Array.isArray(names) ? names : KINDS;
-  return told.map((name) => /** @type {readonly unknown[]} */ (KINDS).indexOf(name)).map((k) => (k < 0 ? CUT : k));
+  return names.map((name) => /** @type {readonly unknown[]} */ (KINDS).indexOf(name)).map((k) => (k < 0 ? CUT : k));
 }
 
 /** @param {Reader} reader @param {Node} pass */

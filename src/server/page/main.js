@@ -4,7 +4,7 @@
 /** @import { Answer } from "./run.js" */
 
 import { exampleOf, loadContract } from "./contract.js";
-import { byId } from "./dom.js";
+import { byId, label } from "./dom.js";
 import { Downloads, saveFile } from "./downloads.js";
 import { RequestForm } from "./form/form.js";
 import { JsonText } from "./form/json.js";
@@ -32,10 +32,14 @@ class Page {
     this.contract = contract;
     this.operations = byId("operation", HTMLSelectElement);
     this.examples = byId("example", HTMLSelectElement);
+    /** Stands first among the examples. */
+    this.ownOption = new Option("", "");
     this.runButton = byId("run", HTMLButtonElement);
     this.cancelButton = byId("cancel", HTMLButtonElement);
     this.progress = byId("progress", HTMLProgressElement);
     this.status = byId("status", HTMLParagraphElement);
+    /** What was told at the end of the last run. */
+    this.done = "";
     this.form = new RequestForm(byId("form", HTMLElement), contract, { onchange: (value) => this.changed(value, "form") });
     this.json = new JsonText(byId("json", HTMLTextAreaElement), { onchange: (value) => this.changed(value, "json") });
     this.program = new ProgramText(byId("nc-host", HTMLElement), byId("nc", HTMLElement), {
@@ -126,7 +130,10 @@ class Page {
     return true;
   }
 
-  /** Shows an operation with a request, or with its first example. @param {string} path @param {unknown} [body] */
+  /**
+   * Shows an operation with a request; without one with the request that people made, or with the first example.
+   * @param {string} path @param {unknown} [body]
+   */
   async chooseOperation(path, body) {
     const operation = this.contract.operations.find((one) => one.path === path);
     if (operation === undefined) return;
@@ -134,9 +141,25 @@ class Page {
     this.operations.value = path;
     byId("about", HTMLParagraphElement).textContent = operation.help;
     const names = [...operation.examples.keys()];
-    this.examples.replaceChildren(new Option(TEXTS.ownRequest, ""), ...names.map((name) => new Option(name, name)));
-    if (body === undefined) return this.chooseExample(names[0] ?? "");
-    this.setOwn(body);
+    this.examples.replaceChildren(this.ownOption, ...names.map((name) => new Option(name, name)));
+    this.offerOwn();
+    const shown = body ?? this.own.get(operation);
+    if (shown === undefined) return this.chooseExample(names[0] ?? "");
+    this.setOwn(shown);
+  }
+
+  /** Offers the request that people made for the operation, or tells that there is none. */
+  offerOwn() {
+    const isThere = this.own.has(this.operation);
+    this.ownOption.disabled = !isThere;
+    this.ownOption.text = isThere ? TEXTS.ownRequest : TEXTS.noOwnRequest;
+  }
+
+  /** Keeps a request that is no example. @param {unknown} body */
+  keepOwn(body) {
+    this.own.set(this.operation, body);
+    this.offerOwn();
+    this.examples.value = "";
   }
 
   /** @param {string} name */
@@ -173,9 +196,8 @@ class Page {
 
   /** Shows a request that is no example. @param {unknown} body */
   setOwn(body) {
-    this.examples.value = "";
     this.set(body);
-    this.own.set(this.operation, body);
+    this.keepOwn(body);
   }
 
   /** Shows a request. @param {unknown} body */
@@ -193,9 +215,8 @@ class Page {
       return this.showBrokenJson();
     }
     this.body = body;
-    this.own.set(this.operation, body);
+    this.keepOwn(body);
     this.markOld(true);
-    this.examples.value = "";
     if (from === "json") this.form.show(this.operation, body);
     else this.json.set(body);
   }
@@ -207,9 +228,10 @@ class Page {
     this.tell(TEXTS.brokenJson);
   }
 
-  /** Tells at picture and answer whether they belong to an earlier request. @param {boolean} isOld */
+  /** Tells at picture, answer and status whether they belong to an earlier request. @param {boolean} isOld */
   markOld(isOld) {
     for (const id of ["old-picture", "old-answer"]) byId(id, HTMLElement).hidden = !isOld || !this.hasAnswer;
+    if (isOld && this.status.textContent === this.done) this.tell(TEXTS.ready);
   }
 
   /** @param {string} text */
@@ -256,8 +278,9 @@ class Page {
       });
       if (!isLatest()) return;
       this.show(answer, operation, body);
-      const seconds = digits((performance.now() - begun) / 1000);
-      this.tell(TEXTS.done(seconds, answer.warnings.length));
+      const seconds = digits(Math.round((performance.now() - begun) / 10) / 100);
+      this.done = TEXTS.done(seconds, answer.warnings.length);
+      this.tell(this.done);
     } catch (error) {
       if (isLatest()) this.fail(error, controller.signal.aborted, this.stillAsks(operation, body));
     } finally {
@@ -342,7 +365,7 @@ class Page {
 
   /** A request as JSON, a program, a CL file, or rows of numbers. @param {File} file */
   async openFile(file) {
-    if (file.size > LARGEST_FILE) return this.tell(TEXTS.fileTooLarge(file.name));
+    if (file.size > LARGEST_FILE) return this.tell(TEXTS.fileTooLarge(file.name, LARGEST_FILE));
     const { kind, text, value } = opened(await file.text());
     if (kind === "unknown") return this.tell(TEXTS.notUnderstood(file.name));
     if (kind === "table") return this.openTable(file.name, text);
@@ -375,19 +398,8 @@ function ownProgram(body) {
   return typeof text === "string" ? text : undefined;
 }
 
-/** Puts the texts at their places. */
-function label() {
-  const texts = /** @type {Record<string, unknown>} */ (TEXTS);
-  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-text]"))) {
-    part.textContent = String(texts[part.dataset["text"] ?? ""] ?? "");
-  }
-  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-label]"))) {
-    part.setAttribute("aria-label", String(texts[part.dataset["label"] ?? ""] ?? ""));
-  }
-}
-
 async function begin() {
-  label();
+  label(TEXTS);
   for (const id of ["ask-tabs", "read-tabs"]) tabs(byId(id, HTMLElement));
   const status = byId("status", HTMLParagraphElement);
   status.textContent = TEXTS.loading;

@@ -13,14 +13,19 @@ function counted(count, one, many = `${one}s`) {
 }
 
 /** Texts of the form, and of what is around it. */
-const SHARED = { yes: "yes", no: "no", next: "Next" };
+const SHARED = {
+  yes: "yes", no: "no", next: "Next",
+  fileTooLarge: (/** @type {string} */ name, /** @type {number} */ most) =>
+    `${name} is too large for this page. Choose a file of at most ${most / 1e6} MB, or send its content with curl.`,
+};
 
 /** Texts around form and picture. */
 export const TEXTS = {
   ...SHARED,
   operation: "Operation",
   example: "Example",
-  ownRequest: "own request",
+  ownRequest: "your own request",
+  noOwnRequest: "your own request (none yet)",
   run: "Run",
   cancel: "Cancel",
   request: "Request",
@@ -85,7 +90,6 @@ export const TEXTS = {
     `${name} could not be read: ${detail} Open a file, not a folder.`,
   notUnderstood: (/** @type {string} */ name) =>
     `${name} was not understood. Open a request in JSON, an NC program, a CL file, or a table of points (CSV or text).`,
-  fileTooLarge: (/** @type {string} */ name) => `${name} is too large for the browser. Send it with curl instead.`,
   openedRequest: (/** @type {string} */ name, /** @type {string} */ title) =>
     `${name} is opened as a request for “${title}”. Press Run.`,
   openedProgram: (/** @type {string} */ name, /** @type {string} */ title) =>
@@ -126,7 +130,7 @@ export const TEXTS = {
   charts: {
     title: "Over the time of the program",
     motionTitle: "Over the time of the motion",
-    motion: "These diagrams show the motion without the ways in and out, so their time is not the time of the program.",
+    motion: "The motion has ramps, and leaves out the ways in and out, so its times are not those of the program.",
     feed: { name: "Feed", unit: "mm/min" },
     height: { name: "Z of the tip", unit: "mm" },
     before: "before",
@@ -244,7 +248,6 @@ export const FORM_TEXTS = {
     none: "not split: put a blank line between rows",
   },
   tooWide: (/** @type {number} */ most) => `Some rows have more than ${counted(most, "number")}. Remove the others.`,
-  fileTooLarge: (/** @type {string} */ name) => `${name} is too large for a table. Choose a file of less than 64 MB.`,
 
   // Errors and the JSON text.
   errors: (/** @type {number} */ count) =>

@@ -14,6 +14,12 @@ const ISLAND: &str = include_str!("../../../openapi/examples/pockets-plan/island
 const OPEN_SLOT: &str = include_str!("../../../openapi/examples/pockets-plan/open-slot.json");
 const DIE: &str = include_str!("../../../openapi/examples/surfaces-mill/die.json");
 const VERIFIED: &str = include_str!("../../../openapi/examples/programs-verify/pocket.json");
+const THREE: &str = include_str!("../../../openapi/examples/programs-write/three-operations.json");
+const PROFILE: &str = include_str!("../../../openapi/examples/curves-interpolate/sine.json");
+const CONTOUR: &str = include_str!("../../../openapi/examples/arcs-fit/contour.json");
+const WIRE_UNION: &str = include_str!("../../../openapi/examples/surfaces-mill/wire-union.json");
+const BLADE: &str = include_str!("../../../openapi/examples/five-axis-smooth/blade.json");
+const CORNER: &str = include_str!("../../../openapi/examples/five-axis-smooth/corner.json");
 const DROP: &str = include_str!("../../../openapi/examples/surfaces-drop/bowl.json");
 const CYLINDER: &str = include_str!("../../../openapi/examples/surfaces-model/cylinder.json");
 
@@ -205,22 +211,108 @@ async fn a_program_that_is_read_has_the_lines_of_its_blocks_and_a_verified_one_i
     assert!(bounds(&verified, "stock").is_some() && about(&verified)["stock_is_assumed"] == false);
 }
 
+#[tokio::test]
+async fn every_operation_of_a_program_has_the_lines_of_its_own_blocks() {
+    let app = app(&["--workers", "1"]);
+    let text = post(&app, "/v1/programs/write?format=gcode", THREE.to_owned(), &[]).await.text();
+    let file = post(&app, "/v1/programs/write?format=glb", THREE.to_owned(), &[]).await.body;
+    let ends_with = |end: &str| -> Vec<f32> {
+        (1u16..).zip(text.lines()).filter(|(_, line)| line.ends_with(end)).map(|(k, _)| k.into()).collect()
+    };
+    // The operations are passes 1, 3 and 5; between them are the ways to the next one, which the program of
+    // two tools and two work offsets does not have.
+    let plunges = [ends_with("Z-1.000 F200."), ends_with("Z-1.200 F150.")].concat();
+    assert_eq!(plunges.len(), 3, "{text}");
+    for (pass, plunge) in [1, 3, 5].into_iter().zip(plunges) {
+        let strip = format!("pass {pass}");
+        let (lines, kinds) = (numbers_of(&file, &strip, "_BLOCK"), numbers_of(&file, &strip, "_KIND"));
+        let own = lines.iter().zip(&kinds).skip(1).find(|(_, kind)| **kind == 2.0).map(|(line, _)| *line);
+        assert_eq!(own, Some(plunge), "{strip}: {lines:?}\n{text}");
+        assert!(lines[1..].is_sorted() && lines[lines.len() - 1] > plunge, "{strip}: {lines:?}");
+    }
+    for strip in ["pass 2", "pass 4"] {
+        assert!(numbers_of(&file, strip, "_BLOCK")[1..].iter().all(|line| *line == 0.0), "{strip}");
+    }
+}
+
 /// The numbers of an attribute of the first strip of a model.
 fn numbers(file: &[u8], name: &str) -> Vec<f32> {
+    numbers_of(file, "pass 1", name)
+}
+
+/// The numbers of an attribute of a strip of a model.
+fn numbers_of(file: &[u8], strip: &str, name: &str) -> Vec<f32> {
+    let strips = strips(file, name);
+    let found = strips.iter().find(|(own, _)| own == strip);
+    found.map(|(_, numbers)| numbers.clone()).unwrap_or_else(|| panic!("{strip}: {strips:?}"))
+}
+
+/// The numbers of an attribute of all strips of a model that have it, with their names.
+fn strips(file: &[u8], name: &str) -> Vec<(String, Vec<f32>)> {
     let length = u32::from_le_bytes(file[12..16].try_into().expect("four bytes")) as usize;
     let json: Value = serde_json::from_slice(&file[20..20 + length]).expect("JSON");
     let index = |value: &Value| value.as_u64().expect("an index") as usize;
-    let strip = json["meshes"].as_array().expect("meshes").iter().find_map(|mesh| {
-        let attribute = &mesh["primitives"][0]["attributes"][name];
-        (!attribute.is_null()).then(|| index(attribute))
+    let number = |at: usize| f32::from_le_bytes(file[at..at + 4].try_into().expect("four bytes"));
+    let numbers = |accessor: usize| -> Vec<f32> {
+        let accessor = &json["accessors"][accessor];
+        let view = &json["bufferViews"][index(&accessor["bufferView"])];
+        let offset = accessor.get("byteOffset").map_or(0, index) + view.get("byteOffset").map_or(0, index);
+        let from = 20 + length + 8 + offset;
+        (0..index(&accessor["count"])).map(|k| number(from + 4 * k)).collect()
+    };
+    let meshes = json["meshes"].as_array().expect("meshes").iter();
+    let found = meshes.filter_map(|mesh| {
+        let accessor = mesh["primitives"][0]["attributes"].get(name)?;
+        Some((mesh["name"].as_str()?.to_owned(), numbers(index(accessor))))
     });
-    let accessor = &json["accessors"][strip.expect("a strip")];
-    let view = &json["bufferViews"][index(&accessor["bufferView"])];
-    let offset = accessor.get("byteOffset").map_or(0, index) + view.get("byteOffset").map_or(0, index);
-    let from = 20 + length + 8 + offset;
-    let at =
-        |k: usize| f32::from_le_bytes(file[from + 4 * k..from + 4 * k + 4].try_into().expect("four bytes"));
-    (0..index(&accessor["count"])).map(at).collect()
+    found.collect()
+}
+
+#[tokio::test]
+async fn the_largest_deviation_on_a_path_is_that_of_the_report() {
+    let app = app(&["--workers", "1"]);
+    for (path, body) in [
+        ("/v1/curves/interpolate", PROFILE),
+        ("/v1/arcs/fit", CONTOUR),
+        ("/v1/surfaces/mill", DIE),
+        ("/v1/surfaces/mill", WIRE_UNION),
+    ] {
+        let answer = post(&app, &format!("{path}?toolpath=false"), body.to_owned(), &[]).await.json();
+        let told_mm = answer["report"]["deviation_max_mm"].as_f64().expect("a deviation");
+        let file = post(&app, &format!("{path}?format=glb"), body.to_owned(), &[]).await.body;
+        let found = strips(&file, "_DEVIATION");
+        let all = || found.iter().flat_map(|(_, numbers)| numbers);
+        let largest_mm = f64::from(all().copied().fold(f32::MIN, f32::max));
+        assert!((largest_mm - told_mm).abs() < 1e-6 * told_mm, "{path}: {largest_mm} {told_mm}");
+        assert!(all().all(|mm| *mm == -1.0 || *mm >= 0.0), "{path}");
+        // Each cutting move has one, and no other move.
+        let kinds = strips(&file, "_KIND");
+        for ((_, deviations), (name, kinds)) in found.iter().zip(&kinds) {
+            let mut pairs = deviations.iter().zip(kinds).skip(1);
+            assert!(pairs.all(|(mm, kind)| (*mm >= 0.0) == (*kind == 1.0)), "{path}: {name}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn diagrams_of_five_axes_tell_their_clock_on_the_path() {
+    for body in [BLADE, CORNER] {
+        let app = app(&["--workers", "1"]);
+        let path = "/v1/five-axis/smooth";
+        let report =
+            post(&app, &format!("{path}?toolpath=false"), body.to_owned(), &[]).await.json()["report"]
+                .clone();
+        let model = model(path, body).await;
+        let clock: Vec<[f64; 2]> =
+            serde_json::from_value(about(&model)["clock"].clone()).expect("pairs of seconds");
+        let [first, .., last] = clock[..] else { panic!("{clock:?}") };
+        for diagram in about(&model)["diagrams"].as_array().expect("diagrams") {
+            assert_eq!(diagram["starts_at_s"].as_f64(), Some(first[1]));
+        }
+        let cycle_time_s = report["cycle_time_s"].as_f64().expect("a time");
+        assert!(first[0] == 0.0 && (last[0] - cycle_time_s).abs() < 1e-9, "{first:?} {last:?}");
+        assert!(clock.is_sorted_by(|a, b| a[0] <= b[0] && a[1] <= b[1]));
+    }
 }
 
 #[tokio::test]

@@ -5,9 +5,10 @@
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import {
-  accessible, agreement, cancelling, failingExample, following, keyboard, oldAnswers, pasting, pictures, randomEdits, steady,
-  twoRuns, upright, wrongFields,
+  accessible, agreement, cancelling, corrected, failingExample, following, keyboard, oldAnswers, ownRequests, pasting, pictures,
+  randomEdits, steady, twoRuns, upright, wrongFields,
 } from "./checks.mjs";
+import { differences, otherMaterials } from "./material.mjs";
 import { keepAnswers, kindsDrawn, missing } from "./pixels.mjs";
 
 const require = createRequire(process.env.PAGE_TOOLS);
@@ -17,6 +18,10 @@ const [address, ...only] = process.argv.slice(2);
 const MOST_BYTES = 150_000;
 /** A picture has at least as many pixels that are no background. */
 const LEAST_PIXELS = 500;
+/** So many examples state a stock, or have one assumed. */
+const LEAST_MATERIALS = 24;
+/** The operations whose examples show how an upright tool cuts the material. */
+const CUTTING = ["/v1/surfaces/mill", "/v1/pockets/plan"];
 let faults = 0;
 
 function fault(text) {
@@ -73,6 +78,7 @@ console.log(`/ transfers ${transferred} bytes`);
 const contract = await (await fetch(`${address}/openapi.json`)).json();
 const operations = await page.$$eval("#operation option", (options) => options.map((one) => one.value));
 let count = 0;
+let materials = 0;
 for (const path of operations) {
   await choose(path);
   const examples = await page.$$eval("#example option", (options) => options.map((one) => one.value));
@@ -89,9 +95,11 @@ for (const path of operations) {
     const kinds = await kindsDrawn(page);
     if (kinds === null) fault(`${path} ${name}: the answer has no model`);
     for (const what of await missing(page, LEAST_PIXELS, kinds ?? [])) fault(`${path} ${name}: ${what}`);
+    if (CUTTING.includes(path)) await compareMaterial(path, name);
   }
 }
-console.log(`${count} examples on the page`);
+console.log(`${count} examples on the page, and the material of ${materials}`);
+if (only.length === 0 && materials < LEAST_MATERIALS) fault(`the material of ${materials} examples is compared`);
 
 /** The bytes of the file that the page saves; null where it offers none. */
 async function saved() {
@@ -113,6 +121,14 @@ async function programOf(path, name) {
   return Buffer.from(await response.arrayBuffer());
 }
 
+/** The material on the page after the whole path is that which the cutter leaves. */
+async function compareMaterial(path, name) {
+  const { value } = contract.paths[path].post.requestBody.content["application/json"].examples[name];
+  const differs = await differences(page, address, path, value);
+  if (differs !== null) materials += 1;
+  for (const what of differs ?? []) fault(`${path} ${name}: ${what}`);
+}
+
 /** The program on the page is that of the service, byte for byte. */
 async function compare(path, name) {
   const own = await saved();
@@ -130,7 +146,7 @@ async function compare(path, name) {
 const bench = { page, address, fault, open, choose, run };
 const checks = [
   wrongFields, cancelling, twoRuns, failingExample, oldAnswers, following, agreement, randomEdits, accessible, steady, pasting,
-  keyboard, upright,
+  corrected, keyboard, upright, ownRequests, otherMaterials,
 ];
 for (const check of only.length === 0 || only.includes("checks") ? checks : []) await check(bench);
 if (process.env.SHOTS) await pictures(bench, process.env.SHOTS);

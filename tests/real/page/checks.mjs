@@ -2,6 +2,7 @@
 
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import { TEXTS } from "../../../src/server/page/texts.js";
 import { missing } from "./pixels.mjs";
 
 const axeText = readFileSync(createRequire(process.env.PAGE_TOOLS).resolve("axe-core/axe.min.js"), "utf8");
@@ -151,11 +152,13 @@ export async function oldAnswers({ page, fault, choose, run }) {
   await marks("after a run", false);
   await edit(page, (body) => { body.stepover_mm = 2.5; });
   await marks("after an edit", true);
+  const status = await page.textContent("#status");
+  if (status !== TEXTS.ready) fault(`after an edit the status is ${status}`);
   await run();
   await marks("after the next run", false);
   await page.fill("#json", "{");
-  const status = await run();
-  if (status.startsWith("Done")) fault("a text that is no JSON was run");
+  const refused = await run();
+  if (refused.startsWith("Done")) fault("a text that is no JSON was run");
   await page.click("#tab-form");
   // The question whether to replace the text is answered with no.
   await page.locator("#form .form-number-input:visible").first().fill("7");
@@ -181,6 +184,32 @@ export async function following({ page, fault, choose, run }) {
   });
   const next = await lit();
   if (line === "" || next === "" || next === line) fault(`the lit line does not follow the time: ${line}, then ${next}`);
+}
+
+/** The request that somebody made is there again when its operation is chosen again, until the page is left. */
+export async function ownRequests({ page, fault, open, choose }) {
+  await open();
+  const check = async (when, stepover, isOwn) => {
+    const body = JSON.parse(await page.inputValue("#json"));
+    if (body.stepover_mm !== stepover) fault(`${when}: the stepover is ${body.stepover_mm}, not ${stepover}`);
+    const told = await page.$eval("#example", ({ options: [own], value }) => ({ text: own.text, isThere: !own.disabled, value }));
+    const text = isOwn ? TEXTS.ownRequest : TEXTS.noOwnRequest;
+    if (told.text !== text || told.isThere !== isOwn) fault(`${when}: the list of examples tells ${JSON.stringify(told)}`);
+    return told.value;
+  };
+  await choose("/v1/pockets/plan", "circle");
+  const { stepover_mm } = JSON.parse(await page.inputValue("#json"));
+  await check("an example", stepover_mm, false);
+  await edit(page, (body) => { body.stepover_mm = 2.125; });
+  if (await check("after an edit", 2.125, true) !== "") fault("an edited example is told as the example");
+  await choose("/v1/arcs/fit");
+  if (await check("another operation", undefined, false) === "") fault("an operation without an own request shows one");
+  await choose("/v1/pockets/plan");
+  if (await check("the operation again", 2.125, true) !== "") fault("the own request is told as an example");
+  await choose("/v1/pockets/plan", "circle");
+  if (await check("the example again", stepover_mm, true) !== "circle") fault("the example is not told");
+  await page.selectOption("#example", "");
+  await check("the own request again", 2.125, true);
 }
 
 /** Numbers from 0 to 1 that are the same in each run. @param {number} seed */
@@ -268,6 +297,23 @@ export async function pasting({ page, fault, open, choose, run }) {
   const status = await run();
   if (!status.startsWith("Done")) fault(`pasted rows: ${status}`);
   for (const what of await missing(page, 200, [])) fault(`pasted rows: ${what}`);
+}
+
+/** A table whose rows were refused is still there when other rows take their place. */
+export async function corrected({ page, fault, open, choose, run }) {
+  await open();
+  await choose("/v1/pockets/plan", "rectangle");
+  const box = page.locator("#form .form-paste").first();
+  await box.locator("summary").click();
+  const paste = (rows) => box.locator("textarea").fill(rows.map((row) => row.join(" ")).join("\n"));
+  await paste([[0, 0], [80, 0], [0, 40], [80, 40]]);
+  const refused = await run();
+  if (!refused.startsWith("Refused")) fault(`an outline that crosses itself: ${refused}`);
+  await paste([[0, 0], [80, 0], [80, 40], [0, 40]]);
+  const size = await page.locator("#form .form-table").first().boundingBox();
+  if (!(size?.height > 50)) fault("the corrected table is not seen");
+  const done = await run();
+  if (!done.startsWith("Done")) fault(`a corrected outline: ${done}`);
 }
 
 /** Tab and Enter are enough to run the first request. */

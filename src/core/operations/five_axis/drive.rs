@@ -161,6 +161,12 @@ impl<'a> Drive<'a> {
 }
 
 impl Drive<'_> {
+    /// The time of the motion at a parameter of a piece, s.
+    pub fn time_at(&self, piece: usize, u: f64) -> f64 {
+        let Driven { begins_s, schedule, .. } = &self.pieces[piece];
+        begins_s + schedule.time_at(u)
+    }
+
     /// How long the motion takes from one parameter of a piece to another, s.
     pub fn seconds(&self, piece: usize, ends: [f64; 2]) -> f64 {
         let [from, to] = ends.map(|u| self.pieces[piece].schedule.time_at(u));

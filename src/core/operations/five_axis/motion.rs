@@ -77,6 +77,13 @@ impl<'a> ConstantFeed<'a> {
         self.ends.last().copied().unwrap_or(0.0)
     }
 
+    /// The time at a parameter of a span, which counts over all pieces, s.
+    pub fn time_at(&self, k: usize, u: f64) -> f64 {
+        let begins = if k == 0 { 0.0 } else { self.ends[k - 1] };
+        let Paced { span, feed_mm_per_s, rests, .. } = &self.spans[k];
+        if u == span.to { self.ends[k] } else { begins + way(span, *rests, u) / feed_mm_per_s }
+    }
+
     /// The length of the tip's way, mm.
     pub fn length_mm(&self) -> f64 {
         self.spans

@@ -22,6 +22,7 @@ use nalgebra::Vector3;
 use super::deviation::{Deviation, mean_of_axes, of_chords, of_span};
 use super::drive::Drive;
 use super::leg::Leg;
+use super::motion::ConstantFeed;
 use super::path::Path;
 use super::rail::{Piece, Source, Span, join, tip, top};
 use super::stations::{Followed, pose};
@@ -60,6 +61,9 @@ const SLOWEST_MM_PER_MIN: f64 = 0.001;
 /// The moves along rails.
 pub struct Moves {
     pub toolpath: Toolpath,
+    /// For each move the time of the motion at its end, s. The ways in and out take no time of the motion,
+    /// and neither do turns on a pole beside a rapid.
+    pub ends_s: Vec<f64>,
     /// Of the moves from the given path.
     pub deviation: Deviation,
 }
@@ -67,6 +71,8 @@ pub struct Moves {
 /// The motion along the rails: within limits, or at the feed with the axes of a machine or none.
 #[derive(Clone, Copy)]
 pub struct Along<'a> {
+    /// The motion at the feed.
+    pub feeding: &'a ConstantFeed<'a>,
     pub drive: Option<&'a Drive<'a>>,
     pub followed: Option<&'a Followed<'a>>,
 }
@@ -77,6 +83,14 @@ impl Along<'_> {
         match self.drive {
             Some(drive) => drive.joints(piece, u),
             None => Some(self.followed?.at(piece, u)),
+        }
+    }
+
+    /// The time at a parameter of a piece, in the span with a number among all spans, s.
+    fn time_at(&self, piece: usize, span: usize, u: f64) -> f64 {
+        match self.drive {
+            Some(drive) => drive.time_at(piece, u),
+            None => self.feeding.time_at(span, u),
         }
     }
 }
@@ -113,11 +127,14 @@ pub fn moves(
         along,
         in_step: job.machine.as_ref().zip(job.in_step),
         rotary: None,
+        n_spans: 0,
+        ends_s: Vec::new(),
     };
     moving.rotate_to(moving.end(0, first.spans[0].from).1);
     moving.builder.begin_leaning_pass(None, start.axis);
     if begins_with_feed {
         moving.builder.line(start.tip, rate(first.feeds[0]), Role::LeadIn)?;
+        moving.ends_at(0.0);
     }
     for (k, piece) in pieces.iter().enumerate() {
         let begins_pass = k > 0 && (piece.is_rapid || pieces[k - 1].is_rapid);
@@ -129,9 +146,10 @@ pub fn moves(
     }
     if !last.is_rapid {
         moving.builder.line(away(&end), rate(last.feeds[last.feeds.len() - 1]), Role::LeadOut)?;
+        moving.ends_with_the_one_before();
     }
     let deviation = moving.deviation.plus(path.moved);
-    Ok(Moves { toolpath: moving.builder.finish()?, deviation })
+    Ok(Moves { toolpath: moving.builder.finish()?, ends_s: moving.ends_s, deviation })
 }
 
 struct Moving<'a> {
@@ -146,11 +164,24 @@ struct Moving<'a> {
     in_step: Option<(&'a Machine, Straying)>,
     /// The positions of the rotary axes at the end of the moves so far.
     rotary: Option<[f64; 2]>,
+    /// The number of spans of the pieces before.
+    n_spans: usize,
+    ends_s: Vec<f64>,
 }
 
 impl Moving<'_> {
     fn end(&self, piece: usize, u: f64) -> End {
         (u, self.in_step.and_then(|_| self.along.joints(piece, u)))
+    }
+
+    /// Tells the time of the motion at the end of the move that was made last, s.
+    fn ends_at(&mut self, time_s: f64) {
+        self.ends_s.push(time_s);
+    }
+
+    /// Tells that the move that was made last takes no time of the motion.
+    fn ends_with_the_one_before(&mut self) {
+        self.ends_at(self.ends_s.last().copied().unwrap_or(0.0));
     }
 
     /// During the next move the rotary axes turn to a position.
@@ -181,6 +212,7 @@ impl Moving<'_> {
         for n in 1..=count {
             self.rotate_to(Some(at(f64::from(n) / f64::from(count))));
             self.builder.turn(pose.axis, Some(angle / TURN_PER_S / f64::from(count)), Role::Link)?;
+            self.ends_with_the_one_before();
         }
         Ok(())
     }
@@ -213,13 +245,16 @@ impl Moving<'_> {
     }
 
     fn piece(&mut self, k: usize, piece: &Piece, budget: &Budget) -> Result<(), FiveAxisError> {
+        let before = self.n_spans;
+        self.n_spans += piece.spans.len();
         if piece.is_rapid {
-            for span in &piece.spans {
+            for (n, span) in piece.spans.iter().enumerate() {
                 for (u, joints) in self.ends(k, span, 1).into_iter().skip(1) {
                     let to = pose(&span.jet(u)[0]);
                     self.rotate_to(joints);
                     self.builder.turn_next(to.axis)?;
                     self.builder.rapid(to.tip)?;
+                    self.ends_at(self.along.time_at(k, before + n, u));
                 }
             }
             return Ok(());
@@ -265,6 +300,7 @@ impl Moving<'_> {
                     self.builder.turn_next(to.axis)?;
                     self.builder.line(to.tip, rate(speed), Role::Cut)?;
                 }
+                self.ends_at(self.along.time_at(k, before + n, ends[1]));
             }
             if !rests {
                 let moves = first..self.builder.n_moves_of_pass();

@@ -30,6 +30,8 @@ const MOVES_BETWEEN_CHECKS: usize = 1024;
 /// The toolpath with its figures.
 pub struct Path {
     pub toolpath: Toolpath,
+    /// For each cutting move its deviation from the curve, mm; empty for the path of a compensated tool.
+    pub deviations_mm: Vec<f64>,
     pub length_mm: f64,
     pub cutting_time_s: Option<f64>,
     pub deviation_written_mm: Option<f64>,
@@ -75,7 +77,8 @@ pub fn path(
     let mut length_mm = 0.0;
     let mut seconds = Some(0.0);
     let mut written: f64 = 0.0;
-    let mut deviations = stretches.iter().map(|stretch| stretch.deviation_mm);
+    let of_stretches = || stretches.iter().map(|stretch| stretch.deviation_mm);
+    let mut deviations = of_stretches();
     for (k, step) in toolpath.moves().enumerate() {
         if k.is_multiple_of(MOVES_BETWEEN_CHECKS) {
             budget.check()?;
@@ -91,7 +94,16 @@ pub fn path(
     // Where the curve is vertical, a small displacement may mean any deviation along y.
     let is_told = job.compensation.is_none() && job.band.measure == Measure::Normal;
     let deviation_written_mm = is_told.then_some(written);
-    Ok(Path { toolpath, length_mm, cutting_time_s: seconds, deviation_written_mm, cutting, warnings })
+    let deviations_mm = if job.compensation.is_none() { of_stretches().collect() } else { Vec::new() };
+    Ok(Path {
+        toolpath,
+        deviations_mm,
+        length_mm,
+        cutting_time_s: seconds,
+        deviation_written_mm,
+        cutting,
+        warnings,
+    })
 }
 
 /// The elements as the control runs them. If it runs no parabolas, arcs within the same band replace each

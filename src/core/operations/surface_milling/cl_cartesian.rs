@@ -301,7 +301,8 @@ fn plan_with<P: Patch>(found: &Found<P>, job: &Job, budget: &Budget) -> Result<P
     let is_small = (bounds.max - bounds.min).xy().amax() < 2.0 * job.tool.radius_mm;
     let mut warnings = warnings(job, cut.spaced.passes.left_out, cut.n_not_clear, is_small);
     warnings.extend(leftover::warnings(job, &cut.spaced.left, cut.spaced.stepover_mm, &found.slopes));
-    Ok(Plan { toolpath: cut.toolpath, report, cutting, warnings })
+    let deviations_mm = passes::deviations_mm(&cut.spaced.passes.passes);
+    Ok(Plan { toolpath: cut.toolpath, deviations_mm, report, cutting, warnings })
 }
 
 fn report(cut: &Cut, job: &Job) -> Report {

@@ -38,6 +38,11 @@ const COARSE_HEIGHT_MM: f64 = 5e-3;
 /// are divided are rounded, and a job at its limit has to pass.
 const COUNT_ROUNDING: f64 = 1e-6;
 
+/// For each curve of all passes the proved bound of its deviation, mm.
+pub(super) fn deviations_mm(passes: &[CutPass]) -> Vec<f64> {
+    passes.iter().flat_map(|pass| pass.deviations_mm.iter().copied()).collect()
+}
+
 /// The number of planes that are cut beforehand to estimate the number of CL points.
 const SAMPLED: usize = 16;
 
@@ -59,6 +64,8 @@ pub(super) struct CutPass {
     pub(super) n_points: usize,
     /// The deviation from the exact CL curve.
     pub(super) deviation: Deviation,
+    /// For each curve the proved bound of its deviation, mm.
+    pub(super) deviations_mm: Vec<f64>,
 }
 
 impl CutPass {
@@ -355,7 +362,12 @@ fn fit(
     let largest_radius_mm = job.curves.largest_radius_mm;
     let within = Fit { largest_radius_mm, ..Fit::within(fit_tolerance) };
     let request = Fit { shapes, joints: Joints::OnPoints, effort: 0, ..within };
-    let mut pass = CutPass { curves: Vec::new(), n_points: tips.len(), deviation: Deviation::NONE };
+    let mut pass = CutPass {
+        curves: Vec::new(),
+        n_points: tips.len(),
+        deviation: Deviation::NONE,
+        deviations_mm: Vec::new(),
+    };
     // Ranges of points still to be joined; the first range is on top.
     let mut open = vec![[0, tips.len() - 1]];
     while let Some([first, last]) = open.pop() {
@@ -376,6 +388,7 @@ fn fit(
             let deviation =
                 deviation::of(job, &piece.curve, &tips[start..=end], chain.chord_height_mm, seam)?;
             pass.deviation = pass.deviation.or_more(&deviation);
+            pass.deviations_mm.push(deviation.bound_mm);
             pass.curves.push(piece.curve);
             start = end;
         }

@@ -33,7 +33,7 @@ mod wires;
 use nalgebra::Point3;
 
 use super::deviation::Deviation;
-use super::passes::CutPass;
+use super::passes::{self, CutPass};
 use super::{
     CERTIFICATE_GAP, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning, certificate, counts, data_warnings,
 };
@@ -124,7 +124,7 @@ pub(super) fn plan<P: Patch>(
         elements_per_pass: counts::elements(&passes),
     };
     let warnings = warnings(job, &report);
-    Ok(Plan { toolpath, report, cutting, warnings })
+    Ok(Plan { toolpath, deviations_mm: passes::deviations_mm(&passes), report, cutting, warnings })
 }
 
 fn warnings(job: &Job, report: &Report) -> Vec<Warning> {
@@ -226,7 +226,7 @@ fn pass(
         Err(FitError::Stopped(stopped)) => return Err(stopped.into()),
         Err(FitError::OnePlace) => return Ok(None),
     };
-    let mut deviation_mm = 0.0f64;
+    let mut deviations_mm = Vec::with_capacity(pieces.len());
     let mut curves = Vec::with_capacity(pieces.len());
     let mut start = 0;
     for piece in pieces {
@@ -242,11 +242,12 @@ fn pass(
                 budget.check()?;
             }
             let written = round(&part, job.resolution, &job.curves)?;
-            deviation_mm = deviation_mm.max(off + written.displacement_mm + known);
+            deviations_mm.push(off + written.displacement_mm + known);
             curves.push(part);
         }
         start = piece.end;
     }
+    let deviation_mm = deviations_mm.iter().copied().fold(0.0, f64::max);
     if deviation_mm > job.tolerance.mm() {
         return Err(Error::ToleranceNotReached {
             tolerance_mm: job.tolerance.mm(),
@@ -255,7 +256,7 @@ fn pass(
         });
     }
     let deviation = Deviation::within(deviation_mm);
-    Ok(Some(CutPass { n_points: curves.len() + 1, curves, deviation }))
+    Ok(Some(CutPass { n_points: curves.len() + 1, curves, deviation, deviations_mm }))
 }
 
 /// The number of equal parts of a line that are no longer than `longest_mm`.

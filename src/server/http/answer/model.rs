@@ -56,12 +56,14 @@ pub fn file<R, P: Product>(
         toolpath: cut.map(|cut| &cut.toolpath),
         rapid_feed: outcome.product.rapid_feed(),
         lines,
+        deviations_mm: outcome.product.deviations_mm(),
         names: &names,
         part: part.as_ref(),
         part_chord_mm,
         stock: stock.as_ref(),
         tool,
         diagrams: outcome.product.diagrams(),
+        diagram_ends_s: outcome.product.diagram_ends_s(),
         chord_mm: CHORD_MM,
     }))
 }

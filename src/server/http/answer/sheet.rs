@@ -27,6 +27,7 @@ pub fn picture<R, P: Product>(outcome: &Outcome<R, P>, view: PictureView) -> Str
     draw(&Scene {
         title: &title(outcome),
         notes: &lines(outcome),
+        warnings: &warnings(outcome),
         toolpath: outcome.product.cut().map(|cut| &cut.toolpath),
         drawing: &(outcome.drawing)(),
     })
@@ -37,6 +38,7 @@ pub fn diagrams<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     diagram::svg(&DiagramScene {
         title: &title(outcome),
         notes: &lines(outcome),
+        warnings: &warnings(outcome),
         diagrams: outcome.product.diagrams(),
         before: "given path at the feed, no ramps",
         after: "smooth path",
@@ -48,16 +50,21 @@ pub fn charts<R, P: Product>(outcome: &Outcome<R, P>) -> String {
     bars::svg(&BarScene {
         title: &title(outcome),
         notes: &lines(outcome),
+        warnings: &warnings(outcome),
         charts: outcome.product.charts(),
         parts: ["cutting", "rapids, and feed in the air"],
     })
 }
 
-/// The lines beside a picture: warnings, notes and what a setter needs.
+/// The warnings beside a picture.
+fn warnings<R, P: Product>(outcome: &Outcome<R, P>) -> Vec<String> {
+    told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}")).collect()
+}
+
+/// The lines beside a picture below the warnings: notes, and what a setter needs.
 fn lines<R, P: Product>(outcome: &Outcome<R, P>) -> Vec<String> {
-    let warnings = told(&outcome.warnings).into_iter().map(|warning| format!("WARNING: {warning}"));
     let setup = outcome.product.cut().map(setup).into_iter().flatten();
-    warnings.chain(notes(outcome)).chain(setup).collect()
+    notes(outcome).into_iter().chain(setup).collect()
 }
 
 /// The title of a picture: the part's id, else the program's name, else what the picture shows.

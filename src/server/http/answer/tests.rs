@@ -43,7 +43,8 @@ fn cut() -> Cut {
 }
 
 fn written_cut() -> Cut {
-    Cut { nc: Some("M2\n".to_owned()), ..cut() }
+    let nc = NcText { text: "M2\n".to_owned(), move_lines: Vec::new() };
+    Cut { nc: Some(nc), ..cut() }
 }
 
 fn outcome<P>(product: P) -> Outcome<Report, P> {

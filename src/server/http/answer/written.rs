@@ -23,9 +23,10 @@ pub fn gcode<R, P: Product>(
 }
 
 /// The text of a program.
-pub struct Text {
+#[derive(Debug, Clone, PartialEq)]
+pub struct NcText {
     pub text: String,
-    /// For each move the line that ends it; empty where that is not known.
+    /// For each move the line that ends it, counted from 1; 0 for a way that the program does not tell.
     pub move_lines: Vec<u32>,
 }
 
@@ -37,7 +38,7 @@ pub fn program_for<R, P: Product>(
     outcome: &Outcome<R, P>,
     form: &Form,
     budget: &Budget,
-) -> Result<Option<Text>, ApiError> {
+) -> Result<Option<NcText>, ApiError> {
     if form.with_nc || form.representation == Representation::Gcode {
         return text_of(outcome, budget).map(Some);
     }
@@ -48,10 +49,10 @@ pub fn program_for<R, P: Product>(
 }
 
 /// The NC text of an outcome's toolpath, written here unless the computation has written it.
-fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<Text, ApiError> {
+fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<NcText, ApiError> {
     let Cut { toolpath, cutting, setup, comments: _, nc } = outcome.product.cut().ok_or_else(no_toolpath)?;
-    if let Some(text) = nc {
-        return Ok(Text { text: text.clone(), move_lines: Vec::new() });
+    if let Some(nc) = nc {
+        return Ok(nc.clone());
     }
     let Some(cutting) = cutting else {
         let detail = "a program needs feeds: send `cutting` with `feed_mm_per_min`";
@@ -73,7 +74,7 @@ fn text_of<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -> Result<Te
         called: *called,
     };
     let NcProgram { text, move_lines, .. } = toolpathd_post::write(toolpath, &job, budget)?;
-    Ok(Text { text, move_lines: move_lines.concat() })
+    Ok(NcText { text, move_lines: move_lines.concat() })
 }
 
 fn no_toolpath() -> ApiError {

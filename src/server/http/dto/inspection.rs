@@ -149,9 +149,9 @@ pub enum FileFormat {
 /// A box along the axes, in mm.
 #[derive(Clone, Copy, Serialize, ToSchema)]
 pub struct FileBox {
-    /// The corner with the least coordinates.
+    /// The corner with the least coordinates, in mm.
     pub min: [f64; 3],
-    /// The corner with the largest coordinates.
+    /// The corner with the largest coordinates, in mm.
     pub max: [f64; 3],
 }
 
@@ -185,8 +185,9 @@ pub struct DrawingReport {
 /// A layer of a drawing.
 #[derive(Serialize, ToSchema)]
 struct LayerReport {
+    /// Its name, as the file writes it.
     name: String,
-    /// How many curves it has.
+    /// The number of its curves.
     n_curves: usize,
 }
 
@@ -205,12 +206,14 @@ struct LoopReport {
     kind: LoopKind,
     /// The layer of its first curve.
     layer: String,
-    /// Within how many loops it lies.
+    /// The number of loops within which it lies.
     depth: usize,
-    /// The smallest loop around it, by its place in the list. Absent where there is none.
+    /// The smallest loop around it, by its number in the list, counted from 0. Absent where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     parent: Option<usize>,
+    /// Its area with all that lies in it, in mm2.
     area_mm2: f64,
+    /// Its length, in mm.
     length_mm: f64,
     /// Its vertices, counterclockwise, as `boundary` of a region takes them: `[x, y]` or `[x, y, bulge]`, in
     /// mm.
@@ -231,19 +234,22 @@ enum LoopVertex {
 struct BranchReport {
     /// The place, in mm.
     at: [f64; 2],
+    /// The number of ends that meet there.
     n_ends: usize,
-    /// How many of the ends are joined to no other, because more than one way makes loops.
+    /// The number of ends that are joined to no other, because more than one way makes loops.
     n_open: usize,
 }
 
 /// A chain of curves whose ends do not meet.
 #[derive(Serialize, ToSchema)]
 struct OpenChainReport {
+    /// The layer of its first curve.
     layer: String,
     /// The distance of its ends, in mm.
     gap_mm: f64,
     /// Its two ends, in mm.
     ends: [[f64; 2]; 2],
+    /// The number of its lines and arcs.
     n_curves: usize,
 }
 
@@ -302,13 +308,15 @@ impl From<&OpenChain> for OpenChainReport {
 /// What a text of points holds.
 #[derive(Serialize, ToSchema)]
 pub struct PointsReport {
+    /// The number of points.
     n_points: usize,
-    /// How the numbers are separated.
+    /// What stands between the figures of a line.
     separator: &'static str,
-    /// Whether the numbers have a decimal comma.
+    /// Whether they have a decimal comma in place of a point.
     decimal_comma: bool,
+    /// The number of columns.
     n_columns: usize,
-    /// The columns of x, y and z, counted from 1; two where the text has no z.
+    /// The numbers of the columns of x, y and z, counted from 1; two where the text has no z.
     coordinates: Vec<usize>,
     /// The grid that the points make. Absent where they make none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -321,7 +329,9 @@ pub struct PointsReport {
 /// Points in rows and columns.
 #[derive(Serialize, ToSchema)]
 struct GridReport {
+    /// The number of rows.
     n_rows: usize,
+    /// The number of points of each row.
     n_columns: usize,
     /// The direction of the rows against x, in degrees.
     angle_deg: f64,
@@ -363,10 +373,11 @@ impl From<&Grid> for GridReport {
 pub struct LeftOutReport {
     /// The kind, as the file writes it.
     kind: String,
+    /// Why they were left out.
     reason: String,
-    /// How many there are.
+    /// The number of such entities.
     count: usize,
-    /// The line of the first, counted from 1, in a text.
+    /// The number of the line of the first, counted from 1, in a text.
     #[serde(skip_serializing_if = "Option::is_none")]
     line: Option<u64>,
     /// The number of the first entity, in files that number their entities.

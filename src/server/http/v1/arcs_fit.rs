@@ -14,7 +14,7 @@ use nalgebra::Point3;
 
 use crate::http::answer::encoded::Encoded;
 use crate::http::answer::program_stream::{ProgramStream, Streams};
-use crate::http::answer::{Cut, Outcome, answer};
+use crate::http::answer::{Cut, Outcome, ProvedCut, answer};
 use crate::http::app::App;
 use crate::http::dto::answer::{Answer, Head, PathMembers};
 use crate::http::dto::arc_fitting::{AnyFitReport, FitRequest, ProgramQuery};
@@ -123,9 +123,10 @@ impl Offers for ProgramForms {
     type Query = ProgramQuery;
 }
 
-fn fit(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<AnyFitReport, Cut>, ApiError> {
+fn fit(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<AnyFitReport, ProvedCut>, ApiError> {
     let JobWithSetup { job, setup, meta } = job;
-    let Plan { toolpath, joints, report, cutting, warnings } = arc_fitting::plan(&job, budget)?;
+    let Plan { toolpath, deviations_mm, joints, report, cutting, warnings } =
+        arc_fitting::plan(&job, budget)?;
     let comments = vec![proved(&report)];
     let mut polyline: Vec<Point3<f64>> = job.points;
     if job.fit.is_closed {
@@ -135,7 +136,7 @@ fn fit(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<AnyFitReport, 
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
         report: AnyFitReport::Polyline(report),
-        product: Cut { toolpath, cutting, setup, comments, nc: None },
+        product: ProvedCut { cut: Cut { toolpath, cutting, setup, comments, nc: None }, deviations_mm },
         drawing: Box::new(move || Drawing {
             curve: vec![polyline.clone()],
             joints: joints.clone(),

@@ -5,7 +5,7 @@ use axum::extract::State;
 use axum::response::Response;
 use nalgebra::{Point2, Point3};
 
-use crate::http::answer::{Computing, Cut, Outcome, answer};
+use crate::http::answer::{Computing, Cut, Outcome, ProvedCut, answer};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::interpolation::InterpolateRequest;
 use crate::http::dto::setup::JobWithSetup;
@@ -36,15 +36,18 @@ pub async fn interpolate_curve(
     answer(computing, wanted, body, interpolate).await
 }
 
-fn interpolate(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, Cut>, ApiError> {
+fn interpolate(job: JobWithSetup<Job>, budget: &Budget) -> Result<Outcome<Report, ProvedCut>, ApiError> {
     let JobWithSetup { job, setup, meta } = job;
     let plan = interpolation::plan(&job, budget)?;
-    let Plan { curve, band, toolpath, report, cutting, warnings } = plan;
+    let Plan { curve, band, toolpath, deviations_mm, report, cutting, warnings } = plan;
     let (elements, height) = (report.elements.clone(), job.z_mm);
     Ok(Outcome {
         meta,
         warnings: warnings.iter().map(Warning::from).collect(),
-        product: Cut { toolpath, cutting, setup, comments: vec![proved(&report)], nc: None },
+        product: ProvedCut {
+            cut: Cut { toolpath, cutting, setup, comments: vec![proved(&report)], nc: None },
+            deviations_mm,
+        },
         report,
         drawing: Box::new(move || drawing(interpolation::sketch(&curve, &band, &elements), height)),
     })

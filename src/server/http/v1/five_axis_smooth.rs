@@ -78,6 +78,8 @@ struct Motion {
     machine: Option<Machine>,
     shown: Shown,
     diagrams: Vec<Diagram>,
+    /// For each move the time of the motion at its end, s.
+    move_ends_s: Vec<f64>,
 }
 
 impl Product for Motion {
@@ -93,8 +95,12 @@ impl Product for Motion {
         &self.diagrams
     }
 
+    fn diagram_ends_s(&self) -> &[f64] {
+        &self.move_ends_s
+    }
+
     fn members(self, written: Option<String>, form: &Form) -> SmoothMembers {
-        let Self { cut, samples, machine, shown, diagrams: _ } = self;
+        let Self { cut, samples, machine, shown, diagrams: _, move_ends_s: _ } = self;
         let samples: Option<Vec<Sample>> = shown
             .samples
             .then(|| samples.iter().map(|sample| Sample::new(sample, machine.as_ref())).collect());
@@ -110,7 +116,7 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Repor
     job.in_step = job.in_step.filter(|_| shown.program || shown.model && has_program);
     let plan = five_axis::plan(&job, budget)?;
     let diagrams = if shown.diagrams { diagrams(&job, &plan, budget)? } else { Vec::new() };
-    let Plan { report, samples, period_s: _, toolpath, warnings } = plan;
+    let Plan { report, samples, period_s: _, toolpath, warnings, move_ends_s } = plan;
     let mut warnings: Vec<Warning> = warnings.iter().map(Warning::from).chain(text.left_alone).collect();
     let mut violations = Violations::default();
     let conditions = (has_program || shown.program)
@@ -139,6 +145,7 @@ fn smooth(job: SmoothJob, shown: Shown, budget: &Budget) -> Result<Outcome<Repor
             machine: job.machine,
             shown,
             diagrams,
+            move_ends_s,
         },
         drawing: drawing(given, tool_axes),
     })

@@ -3,7 +3,7 @@
 use axum::extract::State;
 use axum::response::Response;
 
-use crate::http::answer::{Computing, Cut, Outcome, answer, sheet};
+use crate::http::answer::{Computing, Cut, NcText, Outcome, answer, sheet};
 use crate::http::dto::answer::Answer;
 use crate::http::dto::axis_output::AxisSetup;
 use crate::http::dto::meta;
@@ -18,7 +18,7 @@ use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::cutting::Caution;
 use toolpathd_core::toolpath::units::rounded_up;
 use toolpathd_plot::Drawing;
-use toolpathd_post::ProgramJob;
+use toolpathd_post::{NcProgram, ProgramJob};
 
 /// The answer in JSON.
 type WriteAnswer = Answer<WriteReport>;
@@ -67,12 +67,15 @@ fn write(job: JobWithSetup<Writing>, budget: &Budget) -> Result<Outcome<WriteRep
     let report = WriteReport::new(&job, &setup, &written);
     let warnings = in_answer(&job, warnings);
     let comments = further_lines(&job);
-    let (cutting, nc) = (Some(job.first.cutting), Some(written.text));
+    let cutting = Some(job.first.cutting);
+    let NcProgram { text, move_lines: operation_lines, .. } = written;
+    let (toolpath, move_lines) = whole(job, operation_lines);
+    let nc = Some(NcText { text, move_lines });
     Ok(Outcome {
         meta,
         warnings,
         report,
-        product: Cut { toolpath: whole(job), cutting, setup, comments, nc },
+        product: Cut { toolpath, cutting, setup, comments, nc },
         drawing: Box::new(Drawing::default),
     })
 }
@@ -123,13 +126,21 @@ fn further_lines(job: &Writing) -> Vec<String> {
     job.further.iter().enumerate().map(line).collect()
 }
 
-/// All toolpaths as one. Between two of them the tool goes over the higher one of both clearance planes.
-fn whole(job: Writing) -> Toolpath {
+/// All toolpaths as one, and for each of its moves the line that ends it. Between two toolpaths the tool goes
+/// over the higher one of both clearance planes. The program has other ways there, so these moves have the
+/// line 0.
+fn whole(job: Writing, operation_lines: Vec<Vec<u32>>) -> (Toolpath, Vec<u32>) {
     let Writing { first, further } = job;
+    let mut operation_lines = operation_lines.into_iter();
+    let mut lines = operation_lines.next().unwrap_or_default();
     let mut clearance_mm = first.cutting.clearance_z_mm;
-    further.into_iter().fold(first.toolpath, |before, operation| {
+    let mut toolpath = first.toolpath;
+    for (operation, own_lines) in further.into_iter().zip(operation_lines) {
         let over_mm = clearance_mm.max(operation.cutting.clearance_z_mm);
         clearance_mm = operation.cutting.clearance_z_mm;
-        before.then(operation.toolpath, over_mm)
-    })
+        toolpath = toolpath.then(operation.toolpath, over_mm);
+        lines.resize(toolpath.moves().count() - own_lines.len(), 0);
+        lines.extend(own_lines);
+    }
+    (toolpath, lines)
 }

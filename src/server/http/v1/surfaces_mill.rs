@@ -49,6 +49,7 @@ pub async fn mill_surface(
 /// The toolpath, with the box of the raw part.
 struct Milled {
     cut: Cut,
+    deviations_mm: Vec<f64>,
     blank: Option<Blank>,
     surface: Arc<Source>,
 }
@@ -60,6 +61,10 @@ impl Product for Milled {
 
     fn cut(&self) -> Option<&Cut> {
         Some(&self.cut)
+    }
+
+    fn deviations_mm(&self) -> &[f64] {
+        &self.deviations_mm
     }
 
     /// A request tells the stock by its height over the surface, so its extent is assumed.
@@ -85,7 +90,7 @@ fn mill(
     let has_blank = setup.dialect.states_blank() || wants_model;
     let blank = if has_blank { surface_milling::blank(&job, budget)? } else { None };
     setup.program.blank = blank;
-    let Plan { toolpath, report, cutting, warnings } = surface_milling::plan(&job, budget)?;
+    let Plan { toolpath, deviations_mm, report, cutting, warnings } = surface_milling::plan(&job, budget)?;
     if setup.body.limits_depth() {
         let advice = "rough the block first, and send `stock` of the kind `on_surface`";
         setup.check_depths(&depths(&job, &toolpath, budget)?, ("/stock", advice))?;
@@ -97,6 +102,7 @@ fn mill(
         warnings: warnings.iter().map(Warning::from).collect(),
         product: Milled {
             cut: Cut { toolpath, cutting: Some(cutting), setup, comments: vec![proved(&report)], nc: None },
+            deviations_mm,
             blank,
             surface,
         },

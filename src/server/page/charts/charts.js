@@ -8,27 +8,37 @@ import { el } from "../dom.js";
 import { unitInWords } from "../names.js";
 import { TEXTS } from "../texts.js";
 import { Chart } from "./chart.js";
-import { courseOf, rangeOf } from "./course.js";
+import { courseOf, otherTime, rangeOf } from "./course.js";
 
 export class Charts {
-  /** @param {(seconds: number) => void} onseek  when a diagram of the path asks for another time of the program */
+  /** @param {(seconds: number) => void} onseek  when a diagram asks for another time of the program */
   constructor(onseek) {
+    this.onseek = onseek;
+    /** Times of the motion with those of the program. @type {[number, number][]} */
+    this.clock = [];
     this.program = new Group(TEXTS.charts.title, "", onseek);
-    // The service tells the motion alone, so that these times are not those of the program.
-    this.motion = new Group(TEXTS.charts.motionTitle, TEXTS.charts.motion, (seconds) => this.motion.setTime(seconds));
+    this.motion = new Group(TEXTS.charts.motionTitle, TEXTS.charts.motion, (seconds) => this.#seek(seconds));
     this.element = el("div", {}, this.motion.element, this.program.element);
   }
 
   /** Shows the diagrams of an answer. @param {PathData | null} path @param {Diagram[]} diagrams */
   show(path, diagrams) {
+    this.clock = diagrams[0]?.clock ?? [];
     this.program.show(path === null ? [] : ofPath(path));
     this.motion.show(diagrams.map(ofDiagram));
     this.motion.setTime(0);
   }
 
-  /** Puts the cursors of the path's diagrams at a time of the program. @param {number} seconds */
+  /** Puts the cursors at a time of the program. @param {number} seconds */
   setTime(seconds) {
     this.program.setTime(seconds);
+    if (this.clock.length > 0) this.motion.setTime(otherTime(this.clock, seconds, 1));
+  }
+
+  /** Goes to a time of the motion. Without a clock, the cursors of the motion go there alone. @param {number} seconds */
+  #seek(seconds) {
+    if (this.clock.length > 0) this.onseek(otherTime(this.clock, seconds, 0));
+    else this.motion.setTime(seconds);
   }
 }
 

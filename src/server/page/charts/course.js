@@ -3,8 +3,9 @@
 import { vertexAfter } from "../view/timeline.js";
 
 /**
- * A quantity over time as the service tells it: times in s with values. Either course may be empty.
- * @typedef {{ name: string, before: [number, number][], after: [number, number][] }} Diagram
+ * A quantity over time as the service tells it: times in s with values. Either course may be empty. `clock` has times
+ * of the diagram with the times of the program at the same places, s; empty where they are not known.
+ * @typedef {{ name: string, before: [number, number][], after: [number, number][], clock: [number, number][] }} Diagram
  */
 /**
  * @typedef {object} Course
@@ -26,6 +27,23 @@ export function valueAt({ times, value, isStepped }, seconds) {
   if (k === 0) return seconds === after ? value(0) : NaN;
   if (isStepped || k === times.length) return k === times.length ? NaN : value(k);
   return value(k - 1) + ((value(k) - value(k - 1)) * (seconds - before)) / (after - before);
+}
+
+/**
+ * The time on one clock for a time on the other one. Before the first pair it is the first time, and after the last pair
+ * the last one.
+ * @param {[number, number][]} clock
+ * @param {number} seconds
+ * @param {0 | 1} from the place of the given time in a pair
+ */
+export function otherTime(clock, seconds, from) {
+  const to = from === 0 ? 1 : 0;
+  const k = clock.findIndex((pair) => pair[from] >= seconds);
+  const after = clock[k] ?? clock.at(-1);
+  const before = clock[k - 1];
+  if (after === undefined) return seconds;
+  if (before === undefined) return after[to];
+  return before[to] + ((after[to] - before[to]) * (seconds - before[from])) / (after[from] - before[from]);
 }
 
 /** Least and largest value; infinite the wrong way round without any. @param {Course[]} courses @returns {[number, number]} */

@@ -1,4 +1,4 @@
-// The frame that all fields of the form have: label, help, error.
+// What fields of the form have in common: label, help and error, and the parts of a field of one input.
 import { button as plainButton, el, rich } from "../dom.js";
 import { numberProblem, rangeText } from "./number.js";
 import { FORM_TEXTS as TEXTS } from "../texts.js";
@@ -147,4 +147,44 @@ export class Frame {
 export function setInvalid(input, isInvalid) {
   if (isInvalid) input.setAttribute("aria-invalid", "true");
   else input.removeAttribute("aria-invalid");
+}
+
+/**
+ * What all fields of one input have in common.
+ * @implements {Control}
+ */
+export class OneInput {
+  /**
+   * @param {Context} context
+   * @param {Field} field
+   * @param {HTMLElement} input
+   * @param {...Node} further
+   */
+  constructor(context, field, input, ...further) {
+    this.frame = new Frame(context, field);
+    this.input = input;
+    this.element = this.frame.line(input, ...further);
+  }
+
+  /** @param {unknown} _value */
+  update(_value) {}
+
+  /** @param {Path} path */
+  reveal(path) {
+    return { control: this, path };
+  }
+
+  /** @param {string} text */
+  mark(text) {
+    this.frame.addFault(text);
+    return this.frame.id;
+  }
+
+  clear() {
+    this.frame.setFault("");
+  }
+
+  focus() {
+    this.input.focus();
+  }
 }

@@ -1,14 +1,12 @@
 // Edits values as JSON text: the text beside the form, and the fields that the form cannot show otherwise.
 import { el } from "../dom.js";
-import { button, Frame, setInvalid } from "./dom.js";
+import { button, OneInput, setInvalid } from "./dom.js";
 import { abridged, formatJson, isLonger, parseJson } from "./jsontext.js";
 import { FORM_TEXTS as TEXTS } from "../texts.js";
 
-/** @typedef {import("./dom.js").Control} Control */
 /** @typedef {import("./dom.js").Context} Context */
 /** @typedef {import("./dom.js").Emit} Emit */
 /** @typedef {import("./field.js").Field} Field */
-/** @typedef {import("./value.js").Path} Path */
 
 /** Longer JSON is shown abridged: browsers are slow to lay out and edit more. */
 const LARGE = 300_000;
@@ -88,43 +86,19 @@ export class JsonText {
   }
 }
 
-/**
- * A field that is edited as JSON.
- * @implements {Control}
- */
-export class JsonControl {
+/** A field that is edited as JSON. */
+export class JsonControl extends OneInput {
   /** @param {Context} context @param {Field} field @param {unknown} value @param {Emit} emit */
   constructor(context, field, value, emit) {
-    this.frame = new Frame(context, field);
-    this.textarea = el("textarea", { rows: 4, class: "form-text-input" });
-    const note = el("p", { class: "form-note", hidden: value === undefined }, TEXTS.asJson);
-    this.element = this.frame.line(this.textarea, note);
-    this.json = new JsonText(this.textarea, { onchange: emit, isOptional: true });
-    this.textarea.addEventListener("input", () => this.clear());
+    const textarea = el("textarea", { rows: 4, class: "form-text-input" });
+    super(context, field, textarea, el("p", { class: "form-note", hidden: value === undefined }, TEXTS.asJson));
+    this.json = new JsonText(textarea, { onchange: emit, isOptional: true });
+    textarea.addEventListener("input", () => this.clear());
     this.update(value);
   }
 
   /** @param {unknown} value */
   update(value) {
     this.json.set(value);
-  }
-
-  /** @param {Path} path */
-  reveal(path) {
-    return { control: this, path };
-  }
-
-  /** @param {string} text */
-  mark(text) {
-    this.frame.addFault(text);
-    return this.frame.id;
-  }
-
-  clear() {
-    this.frame.setFault("");
-  }
-
-  focus() {
-    this.textarea.focus();
   }
 }

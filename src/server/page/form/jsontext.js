@@ -172,7 +172,8 @@ function lines(value, indent) {
   if (typeof value === "string" && value.length > CHARACTERS) {
     return [`${JSON.stringify(value.slice(0, CHARACTERS))} ${TEXTS.left(value.length - CHARACTERS)}`];
   }
-  if (!isLonger(value, LINE - indent.length) || indent.length > 2 * DEPTH) return [brief(value)];
+  if (!isLonger(value, LINE - indent.length)) return [spaced(value)];
+  if (indent.length > 2 * DEPTH) return [brief(value)];
   const inner = `${indent}  `;
   const isList = Array.isArray(value);
   const entries = Object.entries(isList ? value.slice(0, ENTRIES) : value ?? {}).slice(0, 200);
@@ -191,7 +192,9 @@ function lines(value, indent) {
  * @returns {string}
  */
 export function brief(value) {
-  if (!isLonger(value, LINE)) return spaced(value);
+  // Brackets in brackets are read by nobody.
+  const isNested = Array.isArray(value) && value.some(Array.isArray);
+  if (!isNested && !isLonger(value, LINE)) return spaced(value);
   if (Array.isArray(value)) return TEXTS.items(value.length);
   if (typeof value === "string") return `${value.slice(0, LINE)} …`;
   return Object.entries(value ?? {}).filter(([, item]) => typeof item !== "object")

@@ -15,7 +15,7 @@ import { FORM_TEXTS as TEXTS } from "../texts.js";
  */
 
 /** A larger file is not read: more bytes than any table of the contract may have. */
-const BYTES = 64 * 1024 * 1024;
+const LARGEST_FILE = 64_000_000;
 /** As many skipped lines are told one by one. */
 const LINES = 3;
 
@@ -116,7 +116,7 @@ export class PasteBox {
   /** @param {File | undefined} file */
   async #load(file) {
     if (!file) return;
-    if (file.size > BYTES) this.say(TEXTS.fileTooLarge(file.name), false);
+    if (file.size > LARGEST_FILE) this.say(TEXTS.fileTooLarge(file.name, LARGEST_FILE), false);
     else this.take(await file.text());
     this.file.value = "";
   }

@@ -1,7 +1,7 @@
 // The fields of one value: numbers, texts, choices, and a few numbers side by side.
 import { parseTable } from "../paste.js";
 import { el, rich } from "../dom.js";
-import { button, Frame, setInvalid } from "./dom.js";
+import { button, Frame, OneInput, setInvalid } from "./dom.js";
 import { numberProblem, rangeText, readNumber, shownValue, typedValue } from "./number.js";
 import { FORM_TEXTS as TEXTS } from "../texts.js";
 
@@ -16,48 +16,8 @@ const LARGE = 300_000;
 /** As much of a large text is shown. */
 const SHOWN = 5_000;
 
-/**
- * What all fields of one input have in common.
- * @implements {Control}
- */
-class Scalar {
-  /**
-   * @param {Context} context
-   * @param {Field} field
-   * @param {HTMLElement} input
-   * @param {...Node} further
-   */
-  constructor(context, field, input, ...further) {
-    this.frame = new Frame(context, field);
-    this.input = input;
-    this.element = this.frame.line(input, ...further);
-  }
-
-  /** @param {unknown} _value */
-  update(_value) {}
-
-  /** @param {Path} path */
-  reveal(path) {
-    return { control: this, path };
-  }
-
-  /** @param {string} text */
-  mark(text) {
-    this.frame.addFault(text);
-    return this.frame.id;
-  }
-
-  clear() {
-    this.frame.setFault("");
-  }
-
-  focus() {
-    this.input.focus();
-  }
-}
-
 /** A number, kept as it was typed. */
-export class NumberControl extends Scalar {
+export class NumberControl extends OneInput {
   /** @param {Context} context @param {Field} field @param {unknown} value @param {Emit} emit */
   constructor(context, field, value, emit) {
     const input = numberInput(field.fallback);
@@ -102,7 +62,7 @@ export function keepTyped(input, value) {
 }
 
 /** A text of one line or of several. */
-export class TextControl extends Scalar {
+export class TextControl extends OneInput {
   /** @param {Context} context @param {Field} field @param {unknown} value @param {Emit} emit */
   constructor(context, field, value, emit) {
     const placeholder = field.fallback;
@@ -150,7 +110,7 @@ export class TextControl extends Scalar {
 }
 
 /** One of several values, or yes and no. */
-export class ChoiceControl extends Scalar {
+export class ChoiceControl extends OneInput {
   /** @param {Context} context @param {Field} field @param {unknown} value @param {Emit} emit */
   constructor(context, field, value, emit) {
     const select = el("select", { class: "form-choice-input" });

@@ -85,13 +85,32 @@ test("the value of a course at a time is between its neighbours, or holds since 
   assert.ok(Number.isNaN(valueAt(courseOf([]), 0)));
 });
 
-test("diagrams of the motion have a clock of their own, and those of the path are linked to the program", () => {
+test("diagrams of the motion are linked to the program by their clock", () => {
+  useFakeDocument();
+  globalThis.ResizeObserver = class { observe() {} };
+  const asked = [];
+  const charts = new Charts((seconds) => asked.push(seconds));
+  // The motion begins after a way in of 2 s, takes 4 s, and is 3 s long in the program.
+  const clock = [[0, 2], [2, 4], [4, 5]];
+  charts.show(pathThrough([[0, 0, 0], [0, 0, 9]]), [{ name: "feed, mm/min", before: [], after: [[0, 1], [4, 2]], clock }]);
+  const motionAt = (seconds) => {
+    charts.setTime(seconds);
+    return charts.motion.seconds;
+  };
+  assert.deepEqual([0, 2, 3, 4.5, 5, 9].map(motionAt), [0, 0, 1, 3, 4, 4]);
+  charts.motion.charts[0].seconds = 0;
+  charts.motion.charts[0].area.dispatch("keydown", { key: "End" });
+  charts.motion.charts[0].area.dispatch("keydown", { key: "Home" });
+  assert.deepEqual(asked, [5, 2]);
+});
+
+test("diagrams without a clock have a cursor of their own, and those of the path are linked to the program", () => {
   useFakeDocument();
   globalThis.ResizeObserver = class { observe() {} };
   const asked = [];
   const charts = new Charts((seconds) => asked.push(seconds));
   const path = pathThrough([[0, 0, 0], [0, 0, 9]]);
-  charts.show(path, [{ name: "feed, mm/min", before: [], after: [[0, 1], [4, 2]] }]);
+  charts.show(path, [{ name: "feed, mm/min", before: [], after: [[0, 1], [4, 2]], clock: [] }]);
   assert.deepEqual([charts.program, charts.motion].map((group) => group.charts.map(({ name, end }) => [name, end])),
     [[["Feed", 9], ["Z of the tip", 9]], [["Feed", 4]]]);
   assert.ok(charts.motion.element.textContent.includes(TEXTS.charts.motion));
@@ -161,9 +180,10 @@ test("times, diagrams and an assumed stock are read from the file", () => {
   assert.deepEqual([plain.diagrams, plain.isStockAssumed], [[], false]);
   assert.deepEqual([plain.path.strips[0].pass, plain.path.strips[0].level], [1, 1]);
   const diagrams = [{ name: "feed, mm/min", after: [[0, 1]] }];
-  const extras = { metres_per_unit: 0.001, stock_is_assumed: true, diagrams };
+  const clock = [[0, 0.5], [1, 1.5]];
+  const extras = { metres_per_unit: 0.001, stock_is_assumed: true, diagrams, clock };
   const told = readModel(fileOf(extras, attributes));
-  assert.deepEqual(told.diagrams, [{ name: "feed, mm/min", before: [], after: [[0, 1]] }]);
+  assert.deepEqual(told.diagrams, [{ name: "feed, mm/min", before: [], after: [[0, 1]], clock }]);
   assert.ok(told.isStockAssumed);
   assert.deepEqual([...told.path.times], [0, 2]);
 });
@@ -176,6 +196,20 @@ test("kinds are read by their names, and the number of a pass stands in its name
   assert.equal(path.strips[0].pass, 7);
   const plain = readModel(fileOf({ metres_per_unit: 0.001 }, attributes)).path;
   assert.deepEqual([[...plain.kinds], plain.strips[0].pass], [[0, 1, 2, 3], 1]);
+});
+
+test("deviations are read where they are known, and null where a file has none", () => {
+  const attributes = { POSITION: Array(9).fill(0), _TIME: [0, 1, 2], _DEVIATION: [-1, 0, 0.25] };
+  const { path } = readModel(fileOf({ metres_per_unit: 0.001 }, attributes));
+  assert.deepEqual([...path.deviations], [NaN, 0, 0.25]);
+  const plain = readModel(fileOf({ metres_per_unit: 0.001 }, { POSITION: [0, 0, 0], _TIME: [0] })).path;
+  assert.equal(plain.deviations, null);
+});
+
+test("a strip is parted where the way is not known", () => {
+  const attributes = { POSITION: Array(18).fill(0), _TIME: [0, 1, 1, 1, 2, 3], _KIND: [0, 0, 1, 1, 0, 0] };
+  const { path } = readModel(fileOf({ metres_per_unit: 0.001, kinds: ["cut", "unknown"] }, attributes, "pass 9"));
+  assert.deepEqual(path.strips.map(({ first, count, pass }) => [first, count, pass]), [[0, 2, 9], [3, 3, 9]]);
 });
 
 test("a prism of many sides has its rims as edges, and a lone triangle all of its sides", () => {

@@ -3,13 +3,14 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { contractOf } from "../contract.js";
-import { abridged, formatJson, isLonger, parseJson } from "../form/jsontext.js";
+import { abridged, brief, formatJson, isLonger, parseJson } from "../form/jsontext.js";
 import { numberProblem, readNumber, typedValue } from "../form/number.js";
 import { understood } from "../form/pastebox.js";
 import { columnCount, withBlock, withCell, withoutRow, withRow } from "../form/rows.js";
 import { pathOf, withMember, withValueAt } from "../form/value.js";
 import { opened } from "../open.js";
 import { gridOf, parseTable } from "../paste.js";
+import { FORM_TEXTS, TEXTS } from "../texts.js";
 
 const file = new URL("../../../../openapi/openapi.json", import.meta.url);
 const contract = contractOf(JSON.parse(readFileSync(file, "utf8")));
@@ -112,4 +113,14 @@ test("JSON is written to be read, and its errors are found", () => {
   const large = { points: Array.from({ length: 300_000 }, () => [1, 2, 3]) };
   assert.ok(isLonger(large, 300_000) && !isLonger(large.points[0], 300));
   assert.ok(abridged(large).length < 1000);
+});
+
+test("page and form tell a file that is too large in the same words, with their own limits", () => {
+  assert.equal(TEXTS.fileTooLarge, FORM_TEXTS.fileTooLarge);
+  assert.match(TEXTS.fileTooLarge("a.csv", 64_000_000), /^a\.csv is too large .* at most 64 MB/);
+});
+
+test("the heading of an entry counts what brackets in brackets hold", () => {
+  assert.equal(brief([[0, 0, 1], [10, 0, 2]]), "2 entries");
+  assert.equal(brief([0, 1.5]), "[0, 1.5]");
 });

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::machine::named::by_name;
+use crate::toolpath::path::{Move, Role};
 
 /// A larger room may cost this much: other rails and other nodes.
 const MORE: f64 = 1.02;
@@ -158,5 +159,39 @@ proptest! {
         let report = report(&driven(&poses, 3000.0));
         let bound = report.cycle_time_lower_bound_s.unwrap();
         prop_assert!(report.cycle_time_s <= 1.5 * bound, "{} s, bound {} s", report.cycle_time_s, bound);
+    }
+}
+
+#[test]
+fn every_move_ends_where_the_motion_is_at_its_time() {
+    let mut poses: Vec<Pose> =
+        (0..=20).map(f64::from).map(|t| leaning(2.0 * t, 0.05 * t * t, [0.17 - 0.01 * t, 0.26])).collect();
+    // The tip rests while the axis turns.
+    poses.push(leaning(40.0, 20.0, [0.3, 0.1]));
+    poses.push(leaning(50.0, 20.0, [0.3, 0.1]));
+    for limits in [None, Some(limits())] {
+        let mut job = Job { limits, period_s: 1e-4, ..driven(&poses, 3000.0) };
+        job.path[10].pace = Pace::Rapid;
+        let Plan { toolpath, move_ends_s, samples, report, .. } = plan(&job, &Budget::unlimited()).unwrap();
+        assert!(move_ends_s.is_sorted() && move_ends_s.len() == toolpath.moves().count());
+        assert!((move_ends_s[move_ends_s.len() - 1] - report.cycle_time_s).abs() < 1e-9);
+        let (mut at, mut n_kinds) = (toolpath.start(), [0; 3]);
+        for (step, t_s) in toolpath.moves().zip(&move_ends_s) {
+            match step {
+                Move::Feed { role: Role::LeadIn | Role::LeadOut, along, .. } => {
+                    at = along.end();
+                    continue;
+                }
+                Move::Rapid { line } => (at, n_kinds[0]) = (line.end, n_kinds[0] + 1),
+                Move::Feed { along, .. } => (at, n_kinds[1]) = (along.end(), n_kinds[1] + 1),
+                Move::Turn { .. } | Move::Dwell { .. } => n_kinds[2] += 1,
+            }
+            let k = samples.partition_point(|sample| sample.t_s < *t_s).clamp(1, samples.len() - 1);
+            let [before, after] = [&samples[k - 1], &samples[k]];
+            let part = (t_s - before.t_s) / (after.t_s - before.t_s);
+            let tip = before.pose.tip + (after.pose.tip - before.pose.tip) * part;
+            assert!((tip - at).norm() < 1e-2, "{t_s}: {tip} {at}");
+        }
+        assert!(n_kinds.iter().all(|count| *count > 0), "{n_kinds:?}");
     }
 }

@@ -60,6 +60,19 @@ pub fn triangles(slabs: &[Slab], chord_mm: f64, budget: &Budget) -> Result<Trian
     Ok(solid.triangles)
 }
 
+/// A level region at a height, seen from above.
+///
+/// # Errors
+/// When a face has too many corners, and the budget's stop.
+pub fn flat(region: &Region, z_mm: f64, chord_mm: f64, budget: &Budget) -> Result<Triangles, RegionError> {
+    let mut solid = Solid { chord_mm, triangles: Triangles::default() };
+    for face in region.faces() {
+        budget.check()?;
+        solid.face(face, z_mm, Vector3::z())?;
+    }
+    Ok(solid.triangles)
+}
+
 /// A block between two corners.
 pub fn block(low: Point3<f64>, high: Point3<f64>) -> Triangles {
     let mut triangles = Triangles::default();

@@ -59,7 +59,7 @@ fn operation_ids_are_unique_and_every_error_is_a_problem() {
         }
     }
     assert_eq!(document["openapi"], "3.1.0");
-    assert_eq!(names.len(), 20);
+    assert_eq!(names.len(), 21);
 }
 
 #[test]

@@ -88,7 +88,8 @@ const WITH_FILES: [(&str, bool); 6] = [
 fn add_files(path: &str, operation: &mut Value) {
     let Some((_, needs_job)) = WITH_FILES.iter().find(|(own, _)| *own == path) else { return };
     let content = &mut operation["requestBody"]["content"];
-    let job = content[JSON]["schema"].clone();
+    let mut job = content[JSON]["schema"].clone();
+    job["description"] = "The request, as a body of JSON has it.".into();
     let mut schema = json!({
         "type": "object",
         "description": "The request in the part `job`, and files in parts of any other names.",

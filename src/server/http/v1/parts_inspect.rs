@@ -4,7 +4,8 @@ use axum::extract::State;
 use axum::response::Response;
 use nalgebra::Point3;
 
-use crate::http::answer::{Computing, OnSurface, Outcome, answer};
+use crate::http::answer::model::{PART_CHORD_MM, Solids};
+use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::inspection::{
     DrawingReport, FileBox, FileFormat, InspectReport, InspectRequest, Inspection, LeftOutReport,
@@ -15,9 +16,12 @@ use crate::http::error::{ApiError, FieldCode, FieldError};
 use crate::http::messages::{Warning, WarningCode, no_grid};
 use crate::http::pointer::Pointer;
 use crate::http::request::body::JobBody;
-use crate::http::request::negotiation::{Figures, Wanted};
+use crate::http::request::negotiation::{Figures, Form, Wanted};
 use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::region::{Outline, Region, RegionError};
 use toolpathd_core::geometry::segment::Segment;
+use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
+use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_part::drawing::Drawing;
 use toolpathd_part::dxf::{self, DxfOptions};
 use toolpathd_part::fault::Unreadable;
@@ -26,6 +30,7 @@ use toolpathd_part::left_out::LeftOut;
 use toolpathd_part::points::grid::{NoGrid, grid};
 use toolpathd_part::points::{self, PointText};
 use toolpathd_part::unit::Unit;
+use toolpathd_plot::solid;
 
 /// The answer in JSON.
 type InspectAnswer = Answer<InspectReport, NoMembers>;
@@ -54,6 +59,48 @@ pub async fn inspect_part(
     answer(computing, wanted, body, inspect).await
 }
 
+/// What is shown of a file in three dimensions.
+enum Shape {
+    /// Closed loops of lines and arcs; an outline within an island is filled again.
+    Loops(Vec<Vec<Segment>>),
+    Grid(PointGrid),
+    Nothing,
+}
+
+impl Product for Shape {
+    type Members = NoMembers;
+
+    const TITLE: &'static str = "File of a part";
+
+    fn cut(&self) -> Option<&Cut> {
+        None
+    }
+
+    fn solids(&self, budget: &Budget) -> Result<Solids, ApiError> {
+        match self {
+            Self::Loops(loops) => flat(loops, budget),
+            Self::Grid(grid) => {
+                let surface = Source::PointGrid(grid.clone()).surface();
+                Ok(surface.map(|surface| Solids::of_surface(&surface)).unwrap_or_default())
+            }
+            Self::Nothing => Ok(Solids::default()),
+        }
+    }
+
+    fn members(self, _: Option<String>, _: &Form) {}
+}
+
+/// The area between loops, at the height 0; nothing where they cannot be told apart.
+fn flat(loops: &[Vec<Segment>], budget: &Budget) -> Result<Solids, ApiError> {
+    let outlines: Vec<Outline> = loops.iter().filter_map(|own| Outline::new(own, budget).ok()).collect();
+    let region = Region::nested(&outlines, budget);
+    match region.and_then(|region| solid::flat(&region, 0.0, PART_CHORD_MM, budget)) {
+        Ok(part) => Ok(Solids { part: Some(part), part_chord_mm: Some(PART_CHORD_MM), stock: None }),
+        Err(RegionError::Stopped(stopped)) => Err(stopped.into()),
+        Err(_) => Ok(Solids::default()),
+    }
+}
+
 /// What was read, before units.
 struct Found {
     format: FileFormat,
@@ -62,10 +109,11 @@ struct Found {
     drawing: Option<DrawingReport>,
     points: Option<PointsReport>,
     left_out: Vec<LeftOut>,
+    shape: Shape,
     picture: toolpathd_plot::Drawing,
 }
 
-fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, OnSurface>, ApiError> {
+fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, Shape>, ApiError> {
     let found = match Format::of(&job.name, &job.bytes) {
         Format::Dxf => drawing(&job, budget)?,
         Format::Points => point_text(&job, budget)?,
@@ -81,13 +129,13 @@ fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, On
             format!("`{}` states no unit of length: the figures are in the numbers of the file", job.name);
         warnings.push(Warning::new(WarningCode::FileUnitMissing, detail));
     }
-    let Found { format, bounds, drawing, points, left_out, picture, .. } = found;
+    let Found { format, bounds, drawing, points, left_out, shape, picture, .. } = found;
     let left_out = left_out.iter().map(LeftOutReport::from).collect();
     Ok(Outcome {
         meta: job.meta,
         warnings,
         report: InspectReport { format, units, bounds, drawing, points, left_out },
-        product: OnSurface(Box::new(|| None)),
+        product: shape,
         drawing: Box::new(move || picture.clone()),
     })
 }
@@ -109,9 +157,10 @@ fn drawing(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     let all = picture.walls.iter().chain(&picture.curve).flatten();
     let bounds = FileBox::around(all.map(|point| [point.x, point.y, point.z]));
     let report = DrawingReport::from(&drawing);
+    let shape = Shape::Loops(drawing.loops.iter().map(|own| elements(&own.vertices, true)).collect());
     let Drawing { unit, left_out, .. } = drawing;
     let drawing = Some(report);
-    Ok(Found { format: FileFormat::Dxf, unit, bounds, drawing, points: None, left_out, picture })
+    Ok(Found { format: FileFormat::Dxf, unit, bounds, drawing, points: None, left_out, shape, picture })
 }
 
 fn point_text(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
@@ -127,32 +176,45 @@ fn point_text(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     let report = PointsReport::new(&text, &found, |fault| no_grid(fault, &text.lines));
     let mut picture = toolpathd_plot::Drawing::default();
     let at = |k: usize| Point3::from(text.points[k]);
-    match &found {
+    let shape = match &found {
         Ok(grid) => {
             picture.surface.extend(grid.rows.iter().map(|row| row.iter().map(|&k| at(k)).collect()));
             let columns = 0..grid.rows[0].len();
-            picture.surface.extend(columns.map(|i| grid.rows.iter().map(|row| at(row[i])).collect()));
+            let columns = columns.map(|i| grid.rows.iter().map(|row| at(row[i])).collect());
+            picture.surface.extend(columns);
+            let points = picture.surface[..grid.rows.len()].to_vec();
+            Shape::Grid(PointGrid { points, twist: Twist::default(), ends: Ends::Usual })
         }
-        Err(_) => picture.poses.extend(text.points.iter().map(|point| Point3::from(*point))),
-    }
+        Err(_) => {
+            picture.poses.extend(text.points.iter().map(|point| Point3::from(*point)));
+            Shape::Nothing
+        }
+    };
     let bounds = FileBox::around(text.points.iter().copied());
     let PointText { unit, left_out, .. } = text;
     let (format, points) = (FileFormat::Points, Some(report));
-    Ok(Found { format, unit, bounds, drawing: None, points, left_out, picture })
+    Ok(Found { format, unit, bounds, drawing: None, points, left_out, shape, picture })
+}
+
+/// The lines and arcs of a chain of vertices with bulges.
+fn elements(vertices: &[[f64; 3]], is_closed: bool) -> Vec<Segment> {
+    let next = vertices.iter().cycle().skip(1);
+    let n_elements = if is_closed { vertices.len() } else { vertices.len().saturating_sub(1) };
+    let element = |(&[x, y, bulge], &[to_x, to_y, _]): (&[f64; 3], &[f64; 3])| {
+        Segment::bulging([x, y].into(), [to_x, to_y].into(), bulge)
+    };
+    vertices.iter().zip(next).take(n_elements).map(element).collect()
 }
 
 /// The points of a chain of vertices with bulges, in the plane z = 0.
 fn polyline(vertices: &[[f64; 3]], is_closed: bool) -> Vec<Point3<f64>> {
-    let mut points = Vec::with_capacity(vertices.len() + 1);
-    let next = vertices.iter().cycle().skip(1);
-    let n_elements = if is_closed { vertices.len() } else { vertices.len().saturating_sub(1) };
-    for (&[x, y, bulge], &[to_x, to_y, _]) in vertices.iter().zip(next).take(n_elements) {
-        let element = Segment::bulging([x, y].into(), [to_x, to_y].into(), bulge);
+    let elements = elements(vertices, is_closed);
+    let mut points = Vec::with_capacity(elements.len() + 1);
+    for element in &elements {
         let count = (element.turn().abs() / LARGEST_TURN).ceil().max(1.0) as usize;
         points.extend((0..count).map(|k| element.at(k as f64 / count as f64)));
     }
-    let last = if is_closed { vertices.first() } else { vertices.last() };
-    points.extend(last.map(|[x, y, _]| nalgebra::Point2::new(*x, *y)));
+    points.extend(elements.last().map(Segment::end));
     points.into_iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect()
 }
 

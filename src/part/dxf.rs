@@ -89,8 +89,7 @@ pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawi
     }
     let file = file::read(bytes, budget)?;
     let unit = unit(file.unit, options.unit)?;
-    let drawer =
-        Drawer { tolerance_mm: options.tolerance_mm, vertex_limit: options.vertex_limit, budget };
+    let drawer = Drawer { tolerance_mm: options.tolerance_mm, vertex_limit: options.vertex_limit, budget };
     let scale = unit.map_or(1.0, Unit::mm);
     let drawn = blocks::draw(file, options, scale, &drawer)?;
     let names: Vec<&str> = drawn.layers.iter().map(|layer| layer.name.as_str()).collect();
@@ -142,5 +141,4 @@ fn check_layers(layers: &[Layer], options: &DxfOptions) -> Result<(), Unreadable
 }
 
 #[cfg(test)]
-#[path = "tests/dxf.rs"]
 mod tests;

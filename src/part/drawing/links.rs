@@ -8,6 +8,8 @@
 //! 3. At each branch, a chain that ends nowhere is taken away, because it bounds nothing; a chain that leaves
 //!    the branch and returns to it is closed; and if two ends remain, they are joined. This is repeated until
 //!    nothing changes. More ends than two stay open: any choice among them would be a guess.
+//! 4. An end that is still alone may lie within the gap of two joined ends whose chain is open. The three are
+//!    then a branch, as in step 3. The two are joined again if that leads to no other pair.
 //!
 //! The result depends neither on the order of the curves nor on their directions, except where two pairs of
 //! ends are equally far apart and in the same places.
@@ -15,7 +17,7 @@
 //! # Cost
 //! O(n log n), and one step for each pair of lone ends within the gap. Their number is limited.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use toolpathd_core::budget::Budget;
 
@@ -74,6 +76,7 @@ pub fn links(
     links.join_within_gap(&lone, ends, gap_mm, budget)?;
     links.resolve(branches);
     links.lone = lone;
+    links.reconsider(ends, gap_mm);
     Ok(links)
 }
 
@@ -160,10 +163,16 @@ impl Links {
         if compare(self.places[a], self.places[b]).is_gt() { [b, a] } else { [a, b] }
     }
 
-    /// Joins ends at branches as far as there is no choice.
-    fn resolve(&mut self, mut branches: Vec<Vec<usize>>) {
-        let counts: Vec<usize> = branches.iter().map(Vec::len).collect();
-        let places: Vec<[f64; 2]> = branches.iter().map(|ends| self.places[ends[0]]).collect();
+    /// Joins ends at branches as far as there is no choice, and tells the branches.
+    fn resolve(&mut self, branches: Vec<Vec<usize>>) {
+        self.join_at(branches.clone());
+        for ends in branches {
+            let n_open = ends.iter().filter(|end| self.mates[**end].is_none()).count();
+            self.branches.push(Branch { at: self.places[ends[0]], n_ends: ends.len(), n_open });
+        }
+    }
+
+    fn join_at(&mut self, mut branches: Vec<Vec<usize>>) {
         let mut branch_of: HashMap<usize, usize> = HashMap::new();
         for (number, ends) in branches.iter().enumerate() {
             branch_of.extend(ends.iter().map(|end| (*end, number)));
@@ -202,20 +211,96 @@ impl Links {
             }
             branches[number] = remaining;
         }
-        let mut n_open: HashMap<[u64; 2], usize> = HashMap::new();
-        for (place, mate) in self.places.iter().zip(&self.mates) {
-            *n_open.entry(place.map(f64::to_bits)).or_default() += usize::from(mate.is_none());
+    }
+
+    /// Joins lone ends with ends that were joined to others, where the chain of these is open.
+    fn reconsider(&mut self, ends: &[EndOf], gap_mm: f64) {
+        let left = self.left();
+        if left.is_empty() || gap_mm == 0.0 {
+            return;
         }
-        self.branches = places
-            .iter()
-            .zip(counts)
-            .map(|(at, n_ends)| Branch { at: *at, n_ends, n_open: n_open[&at.map(f64::to_bits)] })
-            .collect();
+        let pairs = self.pairs_on_open_chains();
+        let grid = Grid::new(pairs.iter().map(|end| (*end, self.places[*end])), gap_mm);
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for lone in left {
+            let place = self.places[lone];
+            let is_short = ends[lone].length_mm <= LEAST_LENGTH * gap_mm;
+            let is_own = |pair: usize| is_short && (pair == lone ^ 1 || self.mates[pair] == Some(lone ^ 1));
+            let near = grid
+                .near(place)
+                .map(|pair| (distance(self.places[pair], place), pair))
+                .filter(|(distance, pair)| *distance <= gap_mm && !is_own(*pair))
+                .min_by(|(near, a), (far, b)| {
+                    near.total_cmp(far).then_with(|| compare(self.places[*a], self.places[*b]))
+                });
+            if let Some((_, pair)) = near {
+                groups.entry(pair).or_default().push(lone);
+            }
+        }
+        let mut branches = Vec::new();
+        for (a, lone) in groups {
+            let Some(b) = self.mates[a].take() else { continue };
+            self.mates[b] = None;
+            branches.push([vec![a, b], lone].concat());
+        }
+        self.follow_chains();
+        self.join_at(branches.clone());
+        for branch in branches {
+            let [a, b] = [branch[0], branch[1]];
+            if self.mates[a].is_none() && self.mates[b].is_none() {
+                self.join([a, b]);
+            }
+            let at = self.places[a];
+            let n_open = branch.iter().filter(|end| self.mates[**end].is_none()).count();
+            let moved: Vec<usize> =
+                branch[2..].iter().copied().filter(|end| self.mates[*end].is_some()).collect();
+            for end in &moved {
+                self.bridged_max_mm = self.bridged_max_mm.max(distance(self.places[*end], at));
+                self.places[*end] = at;
+            }
+            if !moved.is_empty() {
+                self.branches.push(Branch { at, n_ends: branch.len(), n_open });
+            }
+        }
+    }
+
+    /// One end of each joined pair on a chain that is open.
+    fn pairs_on_open_chains(&self) -> Vec<usize> {
+        let mut pairs = Vec::new();
+        for start in (0..self.mates.len()).filter(|end| self.mates[*end].is_none()) {
+            let mut at = start;
+            while let Some(next) = self.mates[at ^ 1] {
+                pairs.push(next.min(at ^ 1));
+                at = next;
+            }
+        }
+        // Each chain is walked from both of its ends.
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
+    /// Finds the opposite ends of all open chains.
+    fn follow_chains(&mut self) {
+        for start in 0..self.mates.len() {
+            if self.mates[start].is_none() {
+                let mut at = start ^ 1;
+                while let Some(next) = self.mates[at] {
+                    at = next ^ 1;
+                }
+                self.opposite[start] = at;
+            }
+        }
+    }
+
+    /// The lone ends that are joined to no other.
+    fn left(&self) -> Vec<usize> {
+        self.lone.iter().copied().filter(|end| self.mates[*end].is_none()).collect()
     }
 
     /// A lone end within the gap of joined ends or of a branch is a branch as well.
     pub fn tell_lone_ends_beside_others(&mut self, gap_mm: f64) {
-        let left: Vec<usize> = self.lone.iter().copied().filter(|end| self.mates[*end].is_none()).collect();
+        let left = self.left();
         if left.is_empty() || gap_mm == 0.0 {
             return;
         }

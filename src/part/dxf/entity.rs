@@ -37,13 +37,32 @@ pub enum Content {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     Line([[f64; 2]; 2]),
-    Circle { center: [f64; 2], radius: f64, is_mirrored: bool },
+    Circle {
+        center: [f64; 2],
+        radius: f64,
+        is_mirrored: bool,
+    },
     /// Counterclockwise from `start` to `end`, degrees, before it is mirrored.
-    Arc { center: [f64; 2], radius: f64, start: f64, end: f64, is_mirrored: bool },
+    Arc {
+        center: [f64; 2],
+        radius: f64,
+        start: f64,
+        end: f64,
+        is_mirrored: bool,
+    },
     /// The points center + cos t major + sin t minor, for t from `start` to `end`, radians.
-    Ellipse { center: [f64; 2], major: [f64; 2], minor: [f64; 2], start: f64, end: f64 },
+    Ellipse {
+        center: [f64; 2],
+        major: [f64; 2],
+        minor: [f64; 2],
+        start: f64,
+        end: f64,
+    },
     /// x, y and the bulge to the next vertex.
-    Polyline { vertices: Vec<[f64; 3]>, is_closed: bool },
+    Polyline {
+        vertices: Vec<[f64; 3]>,
+        is_closed: bool,
+    },
     Nurbs(Box<Nurbs>),
     /// A smooth curve through points.
     Through(Vec<[f64; 2]>),
@@ -121,20 +140,31 @@ fn line(fields: &Fields) -> Result<Content, Unreadable> {
     })
 }
 
-/// The centre and the radius of a circle or an arc, and whether it is seen from below; or why it is none.
-fn round(fields: &Fields) -> Result<Result<([f64; 2], f64, bool), &'static str>, Unreadable> {
+/// The circle of a CIRCLE or an ARC.
+struct Round {
+    center: [f64; 2],
+    radius: f64,
+    is_mirrored: bool,
+}
+
+/// The circle, or why it is none.
+fn round(fields: &Fields) -> Result<Result<Round, &'static str>, Unreadable> {
     let (center, radius) = (fields.point(10)?, fields.need(40)?);
     let normal = fields.normal()?;
     Ok(match normal.placement() {
         None => Err(because::TILTED),
         Some(_) if radius <= 0.0 => Err(because::NO_RADIUS),
-        Some(placement) => Ok((placement.point(center), radius, normal == Normal::Down)),
+        Some(placement) => {
+            Ok(Round { center: placement.point(center), radius, is_mirrored: normal == Normal::Down })
+        }
     })
 }
 
 fn circle(fields: &Fields) -> Result<Content, Unreadable> {
     Ok(match round(fields)? {
-        Ok((center, radius, is_mirrored)) => Content::Curve(Shape::Circle { center, radius, is_mirrored }),
+        Ok(Round { center, radius, is_mirrored }) => {
+            Content::Curve(Shape::Circle { center, radius, is_mirrored })
+        }
         Err(reason) => Content::LeftOut(reason),
     })
 }
@@ -142,7 +172,7 @@ fn circle(fields: &Fields) -> Result<Content, Unreadable> {
 fn arc(fields: &Fields) -> Result<Content, Unreadable> {
     let [start, end] = [fields.need(50)?, fields.need(51)?];
     Ok(match round(fields)? {
-        Ok((center, radius, is_mirrored)) => {
+        Ok(Round { center, radius, is_mirrored }) => {
             Content::Curve(Shape::Arc { center, radius, start, end, is_mirrored })
         }
         Err(reason) => Content::LeftOut(reason),

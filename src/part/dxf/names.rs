@@ -40,10 +40,8 @@ fn unescaped(text: &str) -> String {
     let mut parts = text.split("\\U+");
     let mut plain = parts.next().unwrap_or_default().to_owned();
     for part in parts {
-        let character = part
-            .get(..4)
-            .and_then(|digits| u32::from_str_radix(digits, 16).ok())
-            .and_then(char::from_u32);
+        let character =
+            part.get(..4).and_then(|digits| u32::from_str_radix(digits, 16).ok()).and_then(char::from_u32);
         match character {
             Some(character) => {
                 plain.push(character);

@@ -25,8 +25,14 @@ pub const NO_END: &str = "the file ends without it";
 pub fn of_kind(kind: &[u8]) -> &'static str {
     match kind {
         b"TEXT" | b"MTEXT" | b"RTEXT" | b"ARCALIGNEDTEXT" | b"ATTRIB" | b"ATTDEF" => "texts are no outlines",
-        b"DIMENSION" | b"ARC_DIMENSION" | b"LARGE_RADIAL_DIMENSION" | b"LEADER" | b"MULTILEADER"
-        | b"MLEADER" | b"TOLERANCE" | b"ACAD_TABLE" => "dimensions and notes are no outlines",
+        b"DIMENSION"
+        | b"ARC_DIMENSION"
+        | b"LARGE_RADIAL_DIMENSION"
+        | b"LEADER"
+        | b"MULTILEADER"
+        | b"MLEADER"
+        | b"TOLERANCE"
+        | b"ACAD_TABLE" => "dimensions and notes are no outlines",
         b"HATCH" | b"MPOLYGON" => "hatches are no outlines",
         b"SOLID" | b"TRACE" | b"3DFACE" => "filled faces are no outlines",
         b"POINT" => "points are no outlines",
@@ -37,7 +43,9 @@ pub fn of_kind(kind: &[u8]) -> &'static str {
         }
         b"MESH" => MESH,
         b"VIEWPORT" | b"IMAGE" | b"WIPEOUT" | b"UNDERLAY" | b"PDFUNDERLAY" | b"DWFUNDERLAY"
-        | b"DGNUNDERLAY" | b"OLEFRAME" | b"OLE2FRAME" | b"LIGHT" | b"SUN" => "views and pictures are no outlines",
+        | b"DGNUNDERLAY" | b"OLEFRAME" | b"OLE2FRAME" | b"LIGHT" | b"SUN" => {
+            "views and pictures are no outlines"
+        }
         _ => "entities of this kind are not supported",
     }
 }

@@ -34,6 +34,7 @@ mod names;
 mod placement;
 mod polyline;
 mod reasons;
+mod shape;
 mod spline;
 
 use toolpathd_core::budget::Budget;
@@ -42,7 +43,7 @@ use crate::drawing::assembly::{Limits, assemble};
 use crate::drawing::{Drawing, Layer};
 use crate::fault::{Place, Unreadable};
 use crate::unit::Unit;
-use curves::Drawer;
+use curves::Drafting;
 
 /// How a drawing is read.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,9 +90,10 @@ pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawi
     }
     let file = file::read(bytes, budget)?;
     let unit = unit(file.unit, options.unit)?;
-    let drawer = Drawer { tolerance_mm: options.tolerance_mm, vertex_limit: options.vertex_limit, budget };
+    let drafting =
+        Drafting { tolerance_mm: options.tolerance_mm, vertex_limit: options.vertex_limit, budget };
     let scale = unit.map_or(1.0, Unit::mm);
-    let drawn = blocks::draw(file, options, scale, &drawer)?;
+    let drawn = blocks::draw(file, options, scale, &drafting)?;
     let names: Vec<&str> = drawn.layers.iter().map(|layer| layer.name.as_str()).collect();
     check_layers(&drawn.layers, options)?;
     let limits = Limits { gap_mm: options.gap_mm, budget };

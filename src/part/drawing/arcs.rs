@@ -2,8 +2,9 @@
 //!
 //! # Method
 //! 1. The curve is divided at its corners.
-//! 2. From one joint to the next, the longest element is sought by samples, doubling and halving its range. An
-//!    element is the arc through the curve's points at both ends and in the middle of the range, or their chord.
+//! 2. From one joint to the next, the longest element is sought by samples, doubling and halving its range.
+//!    An element is the arc through the curve's points at both ends and in the middle of the range, or their
+//!    chord.
 //! 3. [`judge`] proves that the element stays within the tolerance of its range of the curve, and the range
 //!    within the tolerance of the element. Where it proves nothing, as at a cusp, the range is halved until a
 //!    box about it is smaller than the tolerance.
@@ -100,7 +101,7 @@ pub fn of_curve(
 
 /// An element up to the parameter `to`.
 #[derive(Debug, Clone, Copy)]
-struct Element {
+struct Approximant {
     to: f64,
     /// Where the element starts, with its bulge; `None` if the element has no length.
     vertex: Option<[f64; 3]>,
@@ -108,7 +109,12 @@ struct Element {
 }
 
 /// The first element that is proved, from the start of a range and of this length or shorter.
-fn longest_proved(curve: &Piecewise, [from, most]: [f64; 2], mut length: f64, tolerance_mm: f64) -> Element {
+fn longest_proved(
+    curve: &Piecewise,
+    [from, most]: [f64; 2],
+    mut length: f64,
+    tolerance_mm: f64,
+) -> Approximant {
     let end = |length: f64| if length >= most - from { most } else { from + length };
     for attempt in 0.. {
         if let Some(element) = fit(curve, [from, end(length)], tolerance_mm) {
@@ -177,7 +183,7 @@ fn is_allowed(start: Point2<f64>, end: Point2<f64>, bulge: f64) -> bool {
 }
 
 /// The element over a range, if it is proved to stay within the tolerance.
-fn fit(curve: &Piecewise, [from, to]: [f64; 2], tolerance_mm: f64) -> Option<Element> {
+fn fit(curve: &Piecewise, [from, to]: [f64; 2], tolerance_mm: f64) -> Option<Approximant> {
     let [start, end] = [from, to].map(|t| curve.point(t));
     if start != end {
         let bulge = bulge_through(start, curve.point(0.5 * (from + to)), end);
@@ -191,7 +197,7 @@ fn fit(curve: &Piecewise, [from, to]: [f64; 2], tolerance_mm: f64) -> Option<Ele
             let band = Band { below_mm: side, above_mm: side, measure: Measure::Normal };
             if let Verdict::Within(spread) = judge(curve, &segment.into(), [from, to], Ends::OnCurve, &band) {
                 let deviation_mm = spread.largest_mm() + guard;
-                return Some(Element { to, vertex: Some([start.x, start.y, bulge]), deviation_mm });
+                return Some(Approximant { to, vertex: Some([start.x, start.y, bulge]), deviation_mm });
             }
         }
     }
@@ -201,7 +207,7 @@ fn fit(curve: &Piecewise, [from, to]: [f64; 2], tolerance_mm: f64) -> Option<Ele
 
 /// The chord over a range without a corner of the curve inside, with the diagonal of a box about the range as
 /// its deviation.
-fn jump(curve: &Piecewise, [from, to]: [f64; 2]) -> Element {
+fn jump(curve: &Piecewise, [from, to]: [f64; 2]) -> Approximant {
     let breaks = curve.breaks();
     let inner = &breaks[breaks.partition_point(|t| *t <= from)..];
     let mut sides = [0.0; 2];
@@ -219,7 +225,7 @@ fn jump(curve: &Piecewise, [from, to]: [f64; 2]) -> Element {
     }
     let [start, end] = [from, to].map(|t| curve.point(t));
     let vertex = (start != end).then_some([start.x, start.y, 0.0]);
-    Element { to, vertex, deviation_mm: f64::hypot(sides[0], sides[1]).next_up() }
+    Approximant { to, vertex, deviation_mm: f64::hypot(sides[0], sides[1]).next_up() }
 }
 
 /// The bulge of the arc from `start` to `end` through `via`; zero if the three are on a line.

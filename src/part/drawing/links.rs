@@ -3,8 +3,8 @@
 //! # Method
 //! 1. Ends in exactly one place are joined if there are two of them. Where there are more, the place is a
 //!    branch.
-//! 2. Of the ends that are alone in their places, the two nearest to each other are joined, then the next two,
-//!    up to the gap.
+//! 2. Of the ends that are alone in their places, the two nearest to each other are joined, then the next
+//!    two, up to the gap.
 //! 3. At each branch, a chain that ends nowhere is taken away, because it bounds nothing; a chain that leaves
 //!    the branch and returns to it is closed; and if two ends remain, they are joined. This is repeated until
 //!    nothing changes. More ends than two stay open: any choice among them would be a guess.
@@ -24,8 +24,8 @@ use toolpathd_core::budget::Budget;
 use super::Branch;
 use crate::fault::{Place, Unreadable};
 
-/// The most pairs of ends within the gap, for each end and at least. More mean that the gap is larger than the
-/// details of the drawing.
+/// The most pairs of ends within the gap, for each end and at least. More mean that the gap is larger than
+/// the details of the drawing.
 const PAIRS_AN_END: usize = 50;
 const PAIRS_AT_LEAST: usize = 100_000;
 

@@ -22,8 +22,8 @@ use toolpathd_core::geometry::segment::Segment;
 
 use super::{Loop, bulge};
 
-/// The heights at which a place inside a loop is sought, as parts of its height. They are no simple fractions,
-/// at which many drawings have vertices.
+/// The heights at which a place inside a loop is sought, as parts of its height. They are no simple
+/// fractions, at which many drawings have vertices.
 const HEIGHTS: [f64; 7] = [0.503, 0.353, 0.647, 0.211, 0.787, 0.0713, 0.931];
 
 /// Where a loop lies.

@@ -13,9 +13,9 @@ use toolpathd_core::geometry::plane_curve::nurbs::Nurbs;
 use toolpathd_core::geometry::plane_curve::piecewise::{Bezier, Piecewise};
 use toolpathd_core::geometry::segment;
 
-use super::entity::Shape;
 use super::placement::{Placement, are_axes_of_a_circle, cosine_and_sine, perp};
 use super::reasons as because;
+use super::shape::Shape;
 use crate::drawing::arcs;
 use crate::fault::{Place, Unreadable};
 
@@ -58,14 +58,14 @@ impl From<Stopped> for Undrawn {
 
 /// How shapes are drawn.
 #[derive(Clone, Copy)]
-pub struct Drawer<'a> {
+pub struct Drafting<'a> {
     pub tolerance_mm: f64,
     /// The most vertices of a shape.
     pub vertex_limit: usize,
     pub budget: &'a Budget,
 }
 
-impl Drawer<'_> {
+impl Drafting<'_> {
     /// # Errors
     /// When the shape is no curve, needs too many vertices, or the budget ends.
     pub fn draw(&self, shape: &Shape, placement: &Placement, place: Place) -> Result<Drawn, Undrawn> {

@@ -1,18 +1,12 @@
 //! The entities of a DXF file, as curves, placed blocks, and what is left out.
 
-use toolpathd_core::geometry::plane_curve::nurbs::Nurbs;
-
 use super::fields::{Fields, Normal};
 use super::names::{decoded, key};
-use super::placement::Placement;
 use super::polyline;
 use super::reasons as because;
+use super::shape::{Content, Insert, Shape, is_flat, magnitude};
 use super::spline;
 use crate::fault::{Place, Unreadable};
-
-/// How much z may change along a curve in the plane, as a part of its largest coordinate plus 1. The value is
-/// above the rounding of files with 8 decimals.
-const FLAT: f64 = 1e-7;
 
 /// An entity that may be drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,64 +17,6 @@ pub struct Entity {
     pub is_on_paper: bool,
     pub is_invisible: bool,
     pub content: Content,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub enum Content {
-    Curve(Shape),
-    Insert(Box<Insert>),
-    /// The reason.
-    LeftOut(&'static str),
-}
-
-/// A curve in the plane, in the lengths of the file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
-    Line([[f64; 2]; 2]),
-    Circle {
-        center: [f64; 2],
-        radius: f64,
-        is_mirrored: bool,
-    },
-    /// Counterclockwise from `start` to `end`, degrees, before it is mirrored.
-    Arc {
-        center: [f64; 2],
-        radius: f64,
-        start: f64,
-        end: f64,
-        is_mirrored: bool,
-    },
-    /// The points center + cos t major + sin t minor, for t from `start` to `end`, radians.
-    Ellipse {
-        center: [f64; 2],
-        major: [f64; 2],
-        minor: [f64; 2],
-        start: f64,
-        end: f64,
-    },
-    /// x, y and the bulge to the next vertex.
-    Polyline {
-        vertices: Vec<[f64; 3]>,
-        is_closed: bool,
-    },
-    Nurbs(Box<Nurbs>),
-    /// A smooth curve through points.
-    Through(Vec<[f64; 2]>),
-}
-
-/// A block that is placed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Insert {
-    /// The key of the block's name.
-    pub block: String,
-    pub at: [f64; 2],
-    pub scale: [f64; 2],
-    pub degrees: f64,
-    /// Columns and rows.
-    pub counts: [u32; 2],
-    /// The distances of the columns and of the rows.
-    pub distances: [f64; 2],
-    pub is_mirrored: bool,
 }
 
 /// Reads an entity that consists of its own groups alone.
@@ -115,19 +51,6 @@ pub fn with_content(fields: &Fields, content: Content) -> Result<Entity, Unreada
         is_invisible: fields.integer(60)? == 1,
         content,
     })
-}
-
-/// Whether heights differ by rounding only, on a curve with this largest coordinate.
-pub fn is_flat(heights: impl Iterator<Item = f64>, magnitude: f64) -> bool {
-    let [low, high] =
-        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
-    // Without heights, low is above high.
-    low > high || high - low <= FLAT * (magnitude + 1.0)
-}
-
-/// The largest coordinate of points.
-pub fn magnitude(points: impl Iterator<Item = [f64; 2]>) -> f64 {
-    points.fold(0.0, |most, p| most.max(p[0].abs()).max(p[1].abs()))
 }
 
 fn line(fields: &Fields) -> Result<Content, Unreadable> {
@@ -220,16 +143,4 @@ fn insert(fields: &Fields) -> Result<Content, Unreadable> {
         distances: [fields.real(44)?.unwrap_or(0.0), fields.real(45)?.unwrap_or(0.0)],
         is_mirrored: normal == Normal::Down,
     })))
-}
-
-impl Insert {
-    /// The map of the copy in a column and a row, of a block with this base point.
-    pub fn placement(&self, base: [f64; 2], [column, row]: [u32; 2]) -> Placement {
-        let turned = Placement::of_block([0.0, 0.0], [1.0, 1.0], self.degrees, [0.0, 0.0]);
-        let aside = [f64::from(column) * self.distances[0], f64::from(row) * self.distances[1]];
-        let aside = turned.direction(aside);
-        let to = [self.at[0] + aside[0], self.at[1] + aside[1]];
-        let placed = Placement::of_block(base, self.scale, self.degrees, to);
-        if self.is_mirrored { Placement::seen_from_below().after(&placed) } else { placed }
-    }
 }

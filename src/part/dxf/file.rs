@@ -28,14 +28,15 @@ pub struct File {
     /// By the keys of their names: why a layer is hidden.
     pub hidden: HashMap<String, &'static str>,
     /// By the keys of their names.
-    pub blocks: HashMap<String, Block>,
+    pub blocks: HashMap<String, Definition>,
     pub entities: Vec<Entity>,
     /// What lies outside the sections.
     pub left_out: LeftOuts,
 }
 
+/// A block, as it is defined.
 #[derive(Debug, Default)]
-pub struct Block {
+pub struct Definition {
     pub base: [f64; 2],
     pub entities: Vec<Entity>,
     pub is_in_another_file: bool,
@@ -174,7 +175,7 @@ impl<'a> Reader<'a, '_> {
             let (entities, end) = self.entities(start)?;
             expect(end, "ENDBLK")?;
             group = self.fields.read(end, &mut self.groups)?;
-            self.file.blocks.insert(name, Block { base: [x, y], entities, is_in_another_file });
+            self.file.blocks.insert(name, Definition { base: [x, y], entities, is_in_another_file });
         }
         Ok(())
     }

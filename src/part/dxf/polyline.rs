@@ -1,9 +1,9 @@
 //! Polylines in DXF: LWPOLYLINE with its vertices among its groups, and POLYLINE with VERTEX entities.
 
-use super::entity::{Content, Shape, is_flat, magnitude};
 use super::fields::Fields;
 use super::groups::Group;
 use super::reasons as because;
+use super::shape::{Content, Shape, is_flat, magnitude};
 use crate::fault::Unreadable;
 
 /// Bits of POLYLINE's flags.

@@ -4,9 +4,9 @@ use nalgebra::Point2;
 use toolpathd_core::geometry::bspline::MAX_DEGREE;
 use toolpathd_core::geometry::plane_curve::nurbs::{Nurbs, SHORTEST_SPAN};
 
-use super::entity::{Content, Shape, is_flat, magnitude};
 use super::fields::Fields;
 use super::reasons as because;
+use super::shape::{Content, Shape, is_flat, magnitude};
 use crate::fault::Unreadable;
 
 /// Reads a SPLINE. Where it has control points, these give the curve, and its fit points are ignored. Knots

@@ -10,7 +10,8 @@
 //!   rotation, a scale or a shift of a block round each coordinate once or twice.
 //! * Ellipses, splines, and arcs that a block scales unevenly become arcs within the tolerance. The bound of
 //!   their deviation is proved. A spline of fit points alone is the C2 cubic through them with the parameter
-//!   of its chord lengths; programs that draw such splines differ in this. Tangents at its ends are ignored.
+//!   of its chord lengths, and with the tangents at its ends that the file gives. Programs differ in how they
+//!   draw such splines.
 //! * Heights are ignored: a curve counts as drawn in the plane if its own height does not change. So are the
 //!   widths of polylines, and thickness.
 //! * A file that breaks off, a number that is none, an absent section, a block within itself and a layer that

@@ -8,14 +8,14 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Point2, Vector2};
 use toolpathd_core::budget::{Budget, Stopped};
-use toolpathd_core::geometry::plane_curve::interpolant;
 use toolpathd_core::geometry::plane_curve::nurbs::Nurbs;
 use toolpathd_core::geometry::plane_curve::piecewise::{Bezier, Piecewise};
 use toolpathd_core::geometry::segment;
+use toolpathd_core::geometry::spline::{EndCondition, derivatives_over};
 
 use super::placement::{Placement, are_axes_of_a_circle, cosine_and_sine, perp};
 use super::reasons as because;
-use super::shape::Shape;
+use super::shape::{Shape, Tangents};
 use crate::drawing::arcs;
 use crate::fault::{Place, Unreadable};
 
@@ -90,7 +90,9 @@ impl Drafting<'_> {
                 self.conic(&conic, placement, place)?
             }
             Shape::Nurbs(nurbs) => self.spline(&nurbs_curve(nurbs, placement)?, place)?,
-            Shape::Through(points) => self.spline(&curve_through(points, placement)?, place)?,
+            Shape::Through { points, tangents } => {
+                self.spline(&curve_through(points, *tangents, placement)?, place)?
+            }
         };
         let has_written_ends = matches!(shape, Shape::Line(_) | Shape::Polyline { .. });
         finished(Drawn { vertices, is_closed, has_written_ends, deviation_mm })
@@ -295,10 +297,37 @@ fn nurbs_curve(nurbs: &Nurbs, placement: &Placement) -> Result<Piecewise, Undraw
     placed.curve().map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
 }
 
-fn curve_through(points: &[[f64; 2]], placement: &Placement) -> Result<Piecewise, Undrawn> {
-    let points: Vec<Point2<f64>> = points.iter().map(|p| placement.point(*p).into()).collect();
-    check_near(&points)?;
-    interpolant::through(&points).map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
+/// The cubic through points with two continuous derivatives. Its parameter grows by the lengths of the chords,
+/// so that tangents that are given have a length of one.
+fn curve_through(
+    points: &[[f64; 2]],
+    tangents: Tangents,
+    placement: &Placement,
+) -> Result<Piecewise, Undrawn> {
+    let points: Vec<Vector2<f64>> = points.iter().map(|p| placement.point(*p).into()).collect();
+    check_near(&points.iter().map(|p| Point2::from(*p)).collect::<Vec<_>>())?;
+    let steps: Vec<f64> = points.windows(2).map(|ends| (ends[1] - ends[0]).norm()).collect();
+    if steps.iter().any(|step| *step <= 0.0) {
+        return Err(Undrawn::LeftOut(because::NO_CURVE));
+    }
+    let ends = match tangents {
+        Tangents::Free => EndCondition::NotAKnot,
+        Tangents::Closed => EndCondition::Periodic,
+        Tangents::Given(directions) => {
+            let [start, end] = directions.map(|v| Vector2::from(placement.direction(v)).normalize());
+            EndCondition::Clamped(start, end)
+        }
+    };
+    let slopes = derivatives_over(&steps, &points, ends);
+    let mut at = 0.0;
+    let pieces = steps.iter().enumerate().map(|(k, step)| {
+        let (from, to) = (points[k], points[k + 1]);
+        let control = [from, from + slopes[k] * (step / 3.0), to - slopes[k + 1] * (step / 3.0), to];
+        at += step;
+        Bezier::polynomial(&control.map(Point2::from)).map(|piece| (piece, at))
+    });
+    let pieces: Vec<_> = pieces.collect::<Result<_, _>>().map_err(|_| Undrawn::LeftOut(because::NO_CURVE))?;
+    Piecewise::new(0.0, pieces).map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
 }
 
 /// Refuses points far from the origin: arcs near them would be rounding.

@@ -47,8 +47,21 @@ pub enum Shape {
         is_closed: bool,
     },
     Nurbs(Box<Nurbs>),
-    /// A smooth curve through points.
-    Through(Vec<[f64; 2]>),
+    /// A smooth curve through points, whose ends have these tangents.
+    Through {
+        points: Vec<[f64; 2]>,
+        tangents: Tangents,
+    },
+}
+
+/// The tangents at the ends of a curve through points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tangents {
+    Free,
+    /// Directions of any length.
+    Given([[f64; 2]; 2]),
+    /// The curve is closed, and its last point is its first. It has no kink there.
+    Closed,
 }
 
 /// A block that is placed.

@@ -25,7 +25,7 @@ fn sample() -> String {
 
 /// Limits that keep a damaged file short.
 fn small() -> DxfOptions {
-    DxfOptions { curve_limit: 2000, vertex_limit: 5000, ..options() }
+    DxfOptions { curve_limit: 2000, vertex_limit: 500, ..options() }
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn limits_of_curves_and_vertices_hold() {
     assert!(read_with(20, 39).unwrap_err().ends_with("there are more than 39 vertices"));
     let ellipse = "0 ELLIPSE\n10 0\n20 0\n11 1e8\n21 0\n40 0.3\n";
     let many = read(file(ellipse).as_bytes(), &small(), &Budget::unlimited()).unwrap_err().to_string();
-    assert_eq!(many, "line 18: the curves need more than 5000 arcs; use a larger tolerance");
+    assert_eq!(many, "line 18: the curves need more than 500 arcs; use a larger tolerance");
 }
 
 #[test]

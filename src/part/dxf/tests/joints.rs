@@ -134,6 +134,24 @@ fn loops_are_nested_by_depth_also_where_they_touch() {
 }
 
 #[test]
+fn loops_in_a_row_or_a_column_are_nested_alike() {
+    let rings = |along: fn(f64) -> [f64; 2]| {
+        let pair = |k: u32| {
+            let center = along(10.0 * f64::from(k));
+            let island = [[1.0, 0.0, 0.0], [-1.0, 1.0, 0.5], [-1.0, -1.0, 0.0]];
+            let island = island.map(|[x, y, bulge]| [center[0] + x, center[1] + y, bulge]);
+            circle(center, 4.0) + &polygon(&island)
+        };
+        drawing(&file(&(0..30).map(pair).collect::<String>()))
+    };
+    for drawing in [rings(|x| [x, 0.0]), rings(|y| [0.0, y])] {
+        let nests: Vec<_> = drawing.loops.iter().map(|one| (one.depth, one.parent)).collect();
+        let expected: Vec<_> = (0..30).map(|_| (0, None)).chain((0..30).map(|k| (1, Some(k)))).collect();
+        assert_eq!(nests, expected);
+    }
+}
+
+#[test]
 fn an_arc_that_bulges_around_a_circle_holds_it() {
     // The circle lies beside the chord of the bow, between chord and arc.
     let bow = polygon(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.9]]);

@@ -178,6 +178,23 @@ fn control_points_win_over_fit_points_and_fit_points_serve_without() {
 }
 
 #[test]
+fn fit_points_obey_tangents_and_closed_ones_have_no_kink() {
+    // Both tangents point along y, and the middle is at (5, 0).
+    let given = drawing(&file("0 SPLINE\n70 8\n71 3\n11 0\n21 0\n11 10\n21 0\n12 0\n22 2\n13 0\n23 5\n"));
+    let vertices = &given.open[0].vertices;
+    // y = 10 u (1 - u) (1 - 2 u) has its largest value at u = (3 - sqrt 3) / 6.
+    let highest = vertices.iter().map(|v| v[1]).fold(0.0, f64::max);
+    assert!((highest - 10.0 / (6.0 * 3f64.sqrt())).abs() < 0.02, "{highest}");
+    let square = "0 SPLINE\n70 9\n71 3\n11 10\n21 0\n11 0\n21 10\n11 -10\n21 0\n11 0\n21 -10\n";
+    let closed = drawing(&file(square));
+    let outline = only(&closed);
+    // By symmetry the curve is normal to the x axis at (10, 0), where it is farthest to the right.
+    let farthest = outline.vertices.iter().map(|v| v[0]).fold(0.0, f64::max);
+    assert!((farthest - 10.0).abs() < 0.002, "{farthest}");
+    assert!((outline.area_mm2 - 100.0 * PI).abs() < 10.0);
+}
+
+#[test]
 fn kinks_of_splines_stay_corners() {
     // Two parabolas that meet with a right angle at (10, 0), and a degree of 1.
     let knots = "40 0\n40 0\n40 0\n40 1\n40 1\n40 2\n40 2\n40 2\n";

@@ -297,8 +297,8 @@ fn nurbs_curve(nurbs: &Nurbs, placement: &Placement) -> Result<Piecewise, Undraw
     placed.curve().map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
 }
 
-/// The cubic through points with two continuous derivatives. Its parameter grows by the lengths of the chords,
-/// so that tangents that are given have a length of one.
+/// The cubic through points with two continuous derivatives. Its parameter grows by the lengths of the
+/// chords, so that tangents that are given have a length of one.
 fn curve_through(
     points: &[[f64; 2]],
     tangents: Tangents,

@@ -166,11 +166,9 @@ fn longest_by_samples(curve: &Piecewise, [from, most]: [f64; 2], guess: f64, tol
 /// Whether samples of a range are this near to its arc, or its chord where it has no arc.
 fn seems_near(curve: &Piecewise, [from, to]: [f64; 2], near_mm: f64) -> bool {
     let [start, end] = [from, to].map(|t| curve.point(t));
-    if start == end {
-        return false;
-    }
     let bulge = bulge_through(start, curve.point(0.5 * (from + to)), end);
     let bulge = if is_allowed(start, end, bulge) { bulge } else { 0.0 };
+    // Between equal ends the segment is a point: that is right where the curve stands still.
     let segment = Segment::bulging(start, end, -bulge);
     let at = |k: u32| curve.point(from + (to - from) * (f64::from(k) / f64::from(SAMPLES)));
     (1..SAMPLES).all(|k| segment.distance_to(at(k)) <= near_mm)

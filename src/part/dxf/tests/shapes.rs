@@ -231,6 +231,18 @@ fn a_circle_as_a_rational_spline_is_closed_and_has_few_arcs() {
 }
 
 #[test]
+fn a_spline_may_stand_still_between_two_knots() {
+    // Three cubics: a line, a piece whose control points are equal, and a line.
+    let knots: String =
+        [0, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3].iter().map(|k| format!("40 {k}\n")).collect();
+    let x = [0, 1, 2, 3, 3, 3, 3, 3, 3, 3];
+    let y = [0, 0, 0, 0, 0, 0, 0, 1, 2, 3];
+    let points: String = x.iter().zip(y).map(|(x, y)| format!("10 {x}\n20 {y}\n")).collect();
+    let drawing = drawing(&file(&format!("0 SPLINE\n71 3\n72 14\n73 10\n{knots}{points}")));
+    assert_eq!(drawing.open[0].vertices, [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 3.0, 0.0]]);
+}
+
+#[test]
 fn a_cusp_is_drawn_within_the_tolerance() {
     let points = "10 0\n20 0\n10 30\n20 30\n10 0\n20 30\n10 30\n20 0\n";
     let drawing = drawing(&file(&(CUBIC.to_owned() + points)));

@@ -7,7 +7,8 @@
 //!    two, up to the gap.
 //! 3. At each branch, a chain that ends nowhere is taken away, because it bounds nothing; a chain that leaves
 //!    the branch and returns to it is closed; and if two ends remain, they are joined. This is repeated until
-//!    nothing changes. More ends than two stay open: any choice among them would be a guess.
+//!    nothing changes. Where more ends than two remain, they are joined around faces ([`faces`]), or stay
+//!    open: any choice among them would be a guess.
 //! 4. An end that is still alone may lie within the gap of two joined ends whose chain is open. The three are
 //!    then a branch, as in step 3. The two are joined again if that leads to no other pair.
 //!
@@ -22,6 +23,7 @@ use std::collections::{BTreeMap, HashMap};
 use toolpathd_core::budget::Budget;
 
 use super::Branch;
+use super::faces::{self, Leaving};
 use crate::fault::{Place, Unreadable};
 
 /// The most pairs of ends within the gap, for each end and at least. More mean that the gap is larger than
@@ -52,6 +54,9 @@ pub struct EndOf {
     pub is_written: bool,
     /// The length of the curve.
     pub length_mm: f64,
+    /// The area between the origin and the curve that starts at this end, as in [`faces::joints`].
+    pub swept_mm2: f64,
+    pub leaving: Leaving,
 }
 
 /// # Errors
@@ -74,7 +79,7 @@ pub fn links(
     let (lone, branches) = links.join_in_places();
     budget.check()?;
     links.join_within_gap(&lone, ends, gap_mm, budget)?;
-    links.resolve(branches);
+    links.resolve(branches, ends);
     links.lone = lone;
     links.reconsider(ends, gap_mm);
     Ok(links)
@@ -164,15 +169,31 @@ impl Links {
     }
 
     /// Joins ends at branches as far as there is no choice, and tells the branches.
-    fn resolve(&mut self, branches: Vec<Vec<usize>>) {
-        self.join_at(branches.clone());
+    fn resolve(&mut self, branches: Vec<Vec<usize>>, ends: &[EndOf]) {
+        let remaining = self.join_at(branches.clone());
+        let joints = {
+            let swept = |end: usize| {
+                let mut area = ends[end].swept_mm2;
+                let mut at = end ^ 1;
+                while let Some(next) = self.mates[at] {
+                    area += ends[next].swept_mm2;
+                    at = next ^ 1;
+                }
+                area
+            };
+            faces::joints(&remaining, |end| ends[end].leaving, |end| self.opposite[end], swept)
+        };
+        for joint in joints {
+            self.join(joint);
+        }
         for ends in branches {
             let n_open = ends.iter().filter(|end| self.mates[**end].is_none()).count();
             self.branches.push(Branch { at: self.places[ends[0]], n_ends: ends.len(), n_open });
         }
     }
 
-    fn join_at(&mut self, mut branches: Vec<Vec<usize>>) {
+    /// Joins ends at branches where there is no choice. Returns the ends at each branch that has a choice.
+    fn join_at(&mut self, mut branches: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
         let mut branch_of: HashMap<usize, usize> = HashMap::new();
         for (number, ends) in branches.iter().enumerate() {
             branch_of.extend(ends.iter().map(|end| (*end, number)));
@@ -211,6 +232,11 @@ impl Links {
             }
             branches[number] = remaining;
         }
+        for ends in &mut branches {
+            ends.retain(|end| self.mates[*end].is_none());
+        }
+        branches.retain(|ends| !ends.is_empty());
+        branches
     }
 
     /// Joins lone ends with ends that were joined to others, where the chain of these is open.

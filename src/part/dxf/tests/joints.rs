@@ -77,6 +77,33 @@ fn squares_that_share_a_corner_are_two_loops() {
 }
 
 #[test]
+fn loops_that_touch_in_two_places_are_told_apart_by_the_even_odd_rule() {
+    // A square, and a kite that touches two of its corners. Between them lies a triangle, which is outside.
+    let kite = [[10.0, 10.0], [12.0, 5.0], [10.0, 0.0], [20.0, 5.0]];
+    let sides: String = (0..4).map(|k| line(kite[k], kite[(k + 1) % 4])).collect();
+    let touching = drawing(&file(&(sides + &gapped(0.0))));
+    assert_eq!(touching.loops.iter().map(|one| one.area_mm2).collect::<Vec<_>>(), [40.0, 100.0]);
+    assert!(touching.open.is_empty());
+    assert!(touching.branches.iter().all(|branch| (branch.n_ends, branch.n_open) == (4, 0)));
+    // A slot and a circle that touches both of its sides from inside.
+    let slot = [
+        line([-20.0, 0.0], [0.0, 0.0]),
+        line([0.0, 0.0], [20.0, 0.0]),
+        arc([20.0, 5.0], 5.0, 270.0, 90.0),
+        line([20.0, 10.0], [0.0, 10.0]),
+        line([0.0, 10.0], [-20.0, 10.0]),
+        arc([-20.0, 5.0], 5.0, 90.0, 270.0),
+        arc([0.0, 5.0], 5.0, 270.0, 90.0),
+        arc([0.0, 5.0], 5.0, 90.0, 270.0),
+    ];
+    let tangent = drawing(&file(&slot.concat()));
+    assert_eq!((tangent.loops.len(), tangent.open.len()), (2, 0));
+    for half in &tangent.loops {
+        assert_near(half.area_mm2, 200.0);
+    }
+}
+
+#[test]
 fn a_square_with_a_diagonal_stays_open_because_there_is_a_choice() {
     let drawing = drawing(&file(&(gapped(0.0) + &line([0.0, 0.0], [10.0, 10.0]))));
     assert_eq!((drawing.loops.len(), drawing.open.len()), (0, 3));

@@ -62,8 +62,8 @@ pub fn joints(
     joints
 }
 
-/// For each end of connected branches, the end at which the boundary of the face to the left of its chain goes
-/// on; `None` if there is no order.
+/// For each end of connected branches, the end at which the boundary of the face to the left of its chain
+/// goes on; `None` if there is no order.
 fn walk(
     connected: &[usize],
     branches: &[Vec<usize>],

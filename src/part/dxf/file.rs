@@ -17,6 +17,9 @@ use crate::unit::Unit;
 /// Entities between two checks of the budget.
 const ENTITIES_BETWEEN_CHECKS: usize = 256;
 
+/// Groups outside entities between two checks of the budget.
+const GROUPS_BETWEEN_CHECKS: usize = 4096;
+
 /// Bits of a layer's flags, and of a block's flags.
 const FROZEN: i64 = 1;
 const IN_ANOTHER_FILE: i64 = 4 | 32;
@@ -46,6 +49,7 @@ struct Reader<'a, 'b> {
     groups: Groups<'a>,
     fields: Fields<'a>,
     budget: &'b Budget,
+    n_groups: usize,
     n_entities: usize,
     file: File,
 }
@@ -54,8 +58,14 @@ struct Reader<'a, 'b> {
 /// When the file is not whole, a group is broken, or the budget ends.
 pub fn read(bytes: &[u8], budget: &Budget) -> Result<File, Unreadable> {
     let groups = Groups::new(bytes);
-    let mut reader =
-        Reader { groups, fields: Fields::default(), budget, n_entities: 0, file: File::default() };
+    let mut reader = Reader {
+        groups,
+        fields: Fields::default(),
+        budget,
+        n_groups: 0,
+        n_entities: 0,
+        file: File::default(),
+    };
     reader.sections()?;
     Ok(reader.file)
 }
@@ -108,6 +118,10 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn next(&mut self) -> Result<Group<'a>, Unreadable> {
+        self.n_groups += 1;
+        if self.n_groups.is_multiple_of(GROUPS_BETWEEN_CHECKS) {
+            self.budget.check()?;
+        }
         match self.groups.next()? {
             Some(group) => Ok(group),
             None => Err(Unreadable::at(self.groups.place(), "the file ends within a section")),

@@ -4,6 +4,7 @@ pub mod arcs;
 pub mod assembly;
 mod bulge;
 mod chains;
+mod copies;
 mod faces;
 mod links;
 mod nesting;

@@ -134,6 +134,25 @@ fn curves_that_are_drawn_twice_count_once() {
 }
 
 #[test]
+fn loops_that_repeat_another_within_the_gap_count_once() {
+    // The second square is four lines, shifted by less than the gap; the third by more.
+    let shifted = gapped(0.0).replace("10 0\n", "10 0.003\n").replace("11 0\n", "11 0.003\n");
+    let square = rectangle([0.0, 0.0], [10.0, 10.0]);
+    let beside = rectangle([0.02, 0.0], [10.0, 10.0]);
+    let drawing = with_gap(&file(&(square + &shifted + &beside)), 0.01);
+    assert_eq!((drawing.loops.len(), drawing.open.len()), (2, 0));
+    assert_eq!(left_out(&drawing), [("LINE", "drawn twice", 1)]);
+    // Pieces of a fine outline that are shorter than the gap are no copies of each other.
+    let at = |k: u32| {
+        let angle = f64::from(k % 1000) * std::f64::consts::TAU / 1000.0;
+        [angle.cos(), angle.sin()]
+    };
+    let fine = with_gap(&file(&(0..1000).map(|k| line(at(k), at(k + 1))).collect::<String>()), 0.01);
+    assert_eq!(only(&fine).vertices.len(), 1000);
+    assert!(fine.left_out.is_empty());
+}
+
+#[test]
 fn loops_without_area_are_left_out() {
     let there_and_back = polygon(&[[0.0, 0.0, 0.0], [5.0, 5.0, 0.0], [9.0, 9.0, 0.0]]);
     assert_eq!(

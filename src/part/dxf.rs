@@ -14,13 +14,17 @@
 //!   draw such splines.
 //! * Heights are ignored: a curve counts as drawn in the plane if its own height does not change. So are the
 //!   widths of polylines, and thickness.
+//! * A curve that repeats another is left out as drawn twice, on whatever layer it is, and so is a loop that
+//!   repeats another within the gap.
+//! * Ends of curves are joined only to ends: a curve that ends on the side of another stays open.
 //! * A file that breaks off, a number that is none, an absent section, a block within itself and a layer that
 //!   is asked for and holds no curve are errors.
 //!
 //! # Units
 //! The unit is that of $INSUNITS. [`DxfOptions::unit`] serves where the file states none; a job whose unit
 //! differs from the file's is refused. Where neither states a unit, [`Drawing::unit`] is `None`, and all
-//! lengths are in the unknown unit of the file. The caller has to ask for it before it mills.
+//! lengths are in the unknown unit of the file, and so are the gap and the tolerance. The caller has to ask
+//! for the unit before it mills.
 //!
 //! # Cost
 //! O(n log n) for n curves that are not splines.

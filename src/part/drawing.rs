@@ -6,6 +6,7 @@ mod bulge;
 mod chains;
 mod copies;
 mod faces;
+mod grid;
 mod links;
 mod nesting;
 

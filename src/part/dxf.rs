@@ -55,7 +55,7 @@ use curves::Drafting;
 pub struct DxfOptions {
     /// The layers that are read, without regard to capital letters; `None` for all.
     pub layers: Option<Vec<String>>,
-    /// Ends of curves up to this distance apart are joined, mm; zero joins ends in one place only.
+    /// Ends of curves up to this distance apart are joined, mm; zero joins ends that differ by rounding only.
     pub gap_mm: f64,
     /// How far arcs may lie from the splines and ellipses in whose place they are, mm.
     pub tolerance_mm: f64,

@@ -24,12 +24,17 @@ use toolpathd_core::budget::Budget;
 
 use super::Branch;
 use super::faces::{self, Leaving};
+use super::grid::Grid;
 use crate::fault::{Place, Unreadable};
 
 /// The most pairs of ends within the gap, for each end and at least. More mean that the gap is larger than
 /// the details of the drawing.
 const PAIRS_AN_END: usize = 50;
 const PAIRS_AT_LEAST: usize = 100_000;
+
+/// How far ends of one place may lie apart by rounding, as a part of the largest coordinate: they are computed
+/// from angles, or moved with a block. Such a distance is no gap.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A curve whose ends are joined to each other is longer than this many times the gap.
 const LEAST_LENGTH: f64 = 4.0;
@@ -39,6 +44,8 @@ const LEAST_LENGTH: f64 = 4.0;
 pub struct Links {
     pub places: Vec<[f64; 2]>,
     pub mates: Vec<Option<usize>>,
+    rounding_mm: f64,
+    /// The largest gap, where it is more than rounding.
     pub bridged_max_mm: f64,
     pub branches: Vec<Branch>,
     /// The end at the other side of the chain, for each end of a chain.
@@ -68,9 +75,13 @@ pub fn links(
     budget: &Budget,
 ) -> Result<Links, Unreadable> {
     let n = places.len();
+    let largest = places.as_flattened().iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let rounding_mm = ROUNDING * largest;
+    let gap_mm = gap_mm.max(rounding_mm);
     let mut links = Links {
         places,
         mates: vec![None; n],
+        rounding_mm,
         bridged_max_mm: 0.0,
         branches: Vec::new(),
         opposite: (0..n).map(|end| end ^ 1).collect(),
@@ -93,6 +104,12 @@ impl Links {
         let [far_a, far_b] = [self.opposite[a], self.opposite[b]];
         self.opposite[far_a] = far_b;
         self.opposite[far_b] = far_a;
+    }
+
+    fn bridge(&mut self, distance_mm: f64) {
+        if distance_mm > self.rounding_mm {
+            self.bridged_max_mm = self.bridged_max_mm.max(distance_mm);
+        }
     }
 
     /// Joins two ends in one place. Returns the ends that are alone in theirs, and those of each branch.
@@ -157,7 +174,7 @@ impl Links {
                 self.join([a, b]);
                 self.places[a] = joint;
                 self.places[b] = joint;
-                self.bridged_max_mm = self.bridged_max_mm.max(distance);
+                self.bridge(distance);
             }
         }
         Ok(())
@@ -281,7 +298,7 @@ impl Links {
             let moved: Vec<usize> =
                 branch[2..].iter().copied().filter(|end| self.mates[*end].is_some()).collect();
             for end in &moved {
-                self.bridged_max_mm = self.bridged_max_mm.max(distance(self.places[*end], at));
+                self.bridge(distance(self.places[*end], at));
                 self.places[*end] = at;
             }
             if !moved.is_empty() {
@@ -362,33 +379,4 @@ fn compare(a: [f64; 2], b: [f64; 2]) -> std::cmp::Ordering {
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     f64::hypot(b[0] - a[0], b[1] - a[1])
-}
-
-/// Numbered places by square cells.
-struct Grid {
-    cells: HashMap<[i64; 2], Vec<usize>>,
-    size: f64,
-}
-
-impl Grid {
-    fn new(places: impl Iterator<Item = (usize, [f64; 2])>, size: f64) -> Self {
-        let mut grid = Self { cells: HashMap::new(), size };
-        for (number, place) in places {
-            grid.cells.entry(grid.cell(place)).or_default().push(number);
-        }
-        grid
-    }
-
-    fn cell(&self, place: [f64; 2]) -> [i64; 2] {
-        // A number beyond the range of `i64` is the last of the range.
-        place.map(|x| (x / self.size).floor() as i64)
-    }
-
-    /// The numbers of the places in the cell of a place and the cells around it.
-    fn near(&self, place: [f64; 2]) -> impl Iterator<Item = usize> + '_ {
-        let [column, row] = self.cell(place);
-        let around = |at: i64| [at.saturating_sub(1), at, at.saturating_add(1)];
-        let cells = around(column).into_iter().flat_map(move |x| around(row).map(|y| [x, y]));
-        cells.filter_map(|cell| self.cells.get(&cell)).flatten().copied()
-    }
 }

@@ -34,6 +34,22 @@ fn gaps_are_bridged_halfway_and_told() {
 }
 
 #[test]
+fn ends_that_differ_by_rounding_are_no_gap() {
+    // The ends of the arc are computed from its angles.
+    let text = file(&(arc([0.1, 0.2], 7.0, 30.0, 150.0) + &rounded_chord()));
+    for gap_mm in [0.0, 0.01] {
+        let drawing = with_gap(&text, gap_mm);
+        assert_eq!((only(&drawing).vertices.len(), drawing.bridged_max_mm), (2, 0.0));
+    }
+}
+
+/// The chord of the arc, with the last digits of its ends altered.
+fn rounded_chord() -> String {
+    let (x, y) = (7.0 * 0.75f64.sqrt(), 3.7f64.next_up().next_up());
+    line([0.1 + x.next_down(), y], [0.1 - x.next_up(), y])
+}
+
+#[test]
 fn the_end_of_an_arc_moves_to_the_point_that_the_file_has() {
     // A line ends 0.004 mm beside the end of the arc.
     let text = file(&(arc([0.0, 0.0], 5.0, 0.0, 180.0) + &line([-5.0, -0.004], [5.0, 0.0])));

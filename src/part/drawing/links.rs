@@ -32,8 +32,8 @@ use crate::fault::{Place, Unreadable};
 const PAIRS_AN_END: usize = 50;
 const PAIRS_AT_LEAST: usize = 100_000;
 
-/// How far ends of one place may lie apart by rounding, as a part of the largest coordinate: they are computed
-/// from angles, or moved with a block. Such a distance is no gap.
+/// How far ends of one place may lie apart by rounding, as a part of the largest coordinate: they are
+/// computed from angles, or moved with a block. Such a distance is no gap.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A curve whose ends are joined to each other is longer than this many times the gap.

@@ -4,6 +4,9 @@ pub mod arcs;
 pub mod assembly;
 mod bulge;
 mod chains;
+mod copies;
+mod faces;
+mod grid;
 mod links;
 mod nesting;
 
@@ -70,7 +73,7 @@ pub struct OpenChain {
 pub struct Branch {
     pub at: [f64; 2],
     pub n_ends: usize,
-    /// How many of the ends are joined to no other: they belong to open chains. The others are joined in the
-    /// only way that makes loops.
+    /// How many of the ends are joined to no other: they belong to open chains. The others are joined to the
+    /// loops around the faces inside, by the even-odd rule.
     pub n_open: usize,
 }

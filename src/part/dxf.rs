@@ -10,16 +10,21 @@
 //!   rotation, a scale or a shift of a block round each coordinate once or twice.
 //! * Ellipses, splines, and arcs that a block scales unevenly become arcs within the tolerance. The bound of
 //!   their deviation is proved. A spline of fit points alone is the C2 cubic through them with the parameter
-//!   of its chord lengths; programs that draw such splines differ in this. Tangents at its ends are ignored.
+//!   of its chord lengths, and with the tangents at its ends that the file gives. Programs differ in how they
+//!   draw such splines.
 //! * Heights are ignored: a curve counts as drawn in the plane if its own height does not change. So are the
 //!   widths of polylines, and thickness.
+//! * A curve that repeats another is left out as drawn twice, on whatever layer it is, and so is a loop that
+//!   repeats another within the gap.
+//! * Ends of curves are joined only to ends: a curve that ends on the side of another stays open.
 //! * A file that breaks off, a number that is none, an absent section, a block within itself and a layer that
 //!   is asked for and holds no curve are errors.
 //!
 //! # Units
 //! The unit is that of $INSUNITS. [`DxfOptions::unit`] serves where the file states none; a job whose unit
 //! differs from the file's is refused. Where neither states a unit, [`Drawing::unit`] is `None`, and all
-//! lengths are in the unknown unit of the file. The caller has to ask for it before it mills.
+//! lengths are in the unknown unit of the file, and so are the gap and the tolerance. The caller has to ask
+//! for the unit before it mills.
 //!
 //! # Cost
 //! O(n log n) for n curves that are not splines.
@@ -34,6 +39,7 @@ mod names;
 mod placement;
 mod polyline;
 mod reasons;
+mod shape;
 mod spline;
 
 use toolpathd_core::budget::Budget;
@@ -42,14 +48,14 @@ use crate::drawing::assembly::{Limits, assemble};
 use crate::drawing::{Drawing, Layer};
 use crate::fault::{Place, Unreadable};
 use crate::unit::Unit;
-use curves::Drawer;
+use curves::Drafting;
 
 /// How a drawing is read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DxfOptions {
     /// The layers that are read, without regard to capital letters; `None` for all.
     pub layers: Option<Vec<String>>,
-    /// Ends of curves up to this distance apart are joined, mm; zero joins ends in one place only.
+    /// Ends of curves up to this distance apart are joined, mm; zero joins ends that differ by rounding only.
     pub gap_mm: f64,
     /// How far arcs may lie from the splines and ellipses in whose place they are, mm.
     pub tolerance_mm: f64,
@@ -89,9 +95,14 @@ pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawi
     }
     let file = file::read(bytes, budget)?;
     let unit = unit(file.unit, options.unit)?;
+<<<<<<< HEAD
     let drawer = Drawer { tolerance_mm: options.tolerance_mm, vertex_limit: options.vertex_limit, budget };
+=======
+    let drafting =
+        Drafting { tolerance_mm: options.tolerance_mm, vertex_limit: options.vertex_limit, budget };
+>>>>>>> dxf40
     let scale = unit.map_or(1.0, Unit::mm);
-    let drawn = blocks::draw(file, options, scale, &drawer)?;
+    let drawn = blocks::draw(file, options, scale, &drafting)?;
     let names: Vec<&str> = drawn.layers.iter().map(|layer| layer.name.as_str()).collect();
     check_layers(&drawn.layers, options)?;
     let limits = Limits { gap_mm: options.gap_mm, budget };
@@ -141,5 +152,4 @@ fn check_layers(layers: &[Layer], options: &DxfOptions) -> Result<(), Unreadable
 }
 
 #[cfg(test)]
-#[path = "tests/dxf.rs"]
 mod tests;

@@ -2,8 +2,9 @@
 //!
 //! # Method
 //! 1. The curve is divided at its corners.
-//! 2. From one joint to the next, the longest element is sought by doubling and halving its range. An element
-//!    is the arc through the curve's points at both ends and in the middle of the range, or their chord.
+//! 2. From one joint to the next, the longest element is sought by samples, doubling and halving its range.
+//!    An element is the arc through the curve's points at both ends and in the middle of the range, or their
+//!    chord.
 //! 3. [`judge`] proves that the element stays within the tolerance of its range of the curve, and the range
 //!    within the tolerance of the element. Where it proves nothing, as at a cusp, the range is halved until a
 //!    box about it is smaller than the tolerance.
@@ -29,8 +30,20 @@ const FLAT_PART: f64 = 0.05;
 /// The largest radius of an arc, mm. Flatter arcs become lines, or shorter arcs.
 const LARGEST_RADIUS_MM: f64 = 1e5;
 
-/// Halvings between the longest range that is proved and the shortest that is not.
-const REFINEMENTS: usize = 4;
+/// Halvings between the longest range whose samples are near the element and the shortest whose are not.
+const REFINEMENTS: usize = 5;
+
+/// The steps between samples, and how near they have to be, as a part of the tolerance: samples miss the
+/// largest deviation by less than the rest.
+const SAMPLES: u32 = 12;
+const NEAR_PART: f64 = 0.97;
+
+/// An element that is not proved is shortened by this factor, so many times. Then it is halved.
+const SHORTENED: f64 = 0.93;
+const SHORTENINGS: usize = 3;
+
+/// The length that is tried after an element that had to be halved, as a multiple of that element's.
+const GROWTH: f64 = 2.0;
 
 /// A chain of elements on a curve.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,14 +71,21 @@ pub fn of_curve(
     for to in corners.chain([end]) {
         let mut at = from;
         let mut length = to - from;
+        // Where samples promise more than is proved, elements grow from proved lengths only.
+        let mut is_promising = true;
         while at < to {
             budget.check()?;
             n_elements += 1;
             if n_elements > limit {
                 return Ok(None);
             }
-            let element = longest(curve, [at, to], length, tolerance_mm);
+            let promised = match is_promising {
+                true => longest_by_samples(curve, [at, to], length, tolerance_mm),
+                false => (GROWTH * length).min(to - at),
+            };
+            let element = longest_proved(curve, [at, to], promised, tolerance_mm);
             length = element.to - at;
+            is_promising = length > 0.5 * promised;
             at = element.to;
             arcs.deviation_mm = arcs.deviation_mm.max(element.deviation_mm);
             if let Some(vertex) = element.vertex {
@@ -81,61 +101,93 @@ pub fn of_curve(
 
 /// An element up to the parameter `to`.
 #[derive(Debug, Clone, Copy)]
-struct Element {
+struct Approximant {
     to: f64,
     /// Where the element starts, with its bulge; `None` if the element has no length.
     vertex: Option<[f64; 3]>,
     deviation_mm: f64,
 }
 
-/// The longest element that is found from the start of a range; `guess` is its approximate length.
-fn longest(curve: &Piecewise, [from, most]: [f64; 2], guess: f64, tolerance_mm: f64) -> Element {
+/// The first element that is proved, from the start of a range and of this length or shorter.
+fn longest_proved(
+    curve: &Piecewise,
+    [from, most]: [f64; 2],
+    mut length: f64,
+    tolerance_mm: f64,
+) -> Approximant {
     let end = |length: f64| if length >= most - from { most } else { from + length };
-    let fit = |length: f64| fit(curve, [from, end(length)], tolerance_mm);
-    let mut length = guess;
-    let (mut best, mut low, mut high) = loop {
-        match fit(length) {
-            Some(element) if element.to >= most => return element,
-            Some(element) => break (element, length, 2.0 * length),
-            None => {
-                let shorter = 0.5 * length;
-                if from + shorter <= from {
-                    // The two parameters are neighbours, and so are their points to rounding.
-                    return jump(curve, [from, from.next_up().min(most)]);
-                }
-                length = shorter;
-            }
+    for attempt in 0.. {
+        if let Some(element) = fit(curve, [from, end(length)], tolerance_mm) {
+            return element;
         }
-    };
-    if low >= guess {
-        // The guess is short: lengths double until one is too long.
-        while let Some(element) = fit(high) {
-            if element.to >= most {
-                return element;
-            }
-            (best, low, high) = (element, high, 2.0 * high);
+        length *= if attempt < SHORTENINGS { SHORTENED } else { 0.5 };
+        if from + length <= from {
+            break;
         }
     }
+    // The two parameters are neighbours, and so are their points to rounding.
+    jump(curve, [from, from.next_up().min(most)])
+}
+
+/// The length of the longest range whose samples are near its arc or its chord.
+fn longest_by_samples(curve: &Piecewise, [from, most]: [f64; 2], guess: f64, tolerance_mm: f64) -> f64 {
+    let room = most - from;
+    let is_near = |length: f64| seems_near(curve, [from, from + length], NEAR_PART * tolerance_mm);
+    let mut low = guess.min(room);
+    let mut high = 2.0 * low;
+    if is_near(low) {
+        while low < room && is_near(high.min(room)) {
+            (low, high) = (high.min(room), 2.0 * high);
+        }
+        if low >= room {
+            return room;
+        }
+    } else {
+        loop {
+            high = low;
+            low *= 0.5;
+            if is_near(low) || from + low <= from {
+                break;
+            }
+        }
+    }
+    high = high.min(room);
     for _ in 0..REFINEMENTS {
         let middle = 0.5 * (low + high);
-        match fit(middle) {
-            Some(element) => (best, low) = (element, middle),
-            None => high = middle,
+        if is_near(middle) {
+            low = middle;
+        } else {
+            high = middle;
         }
     }
-    best
+    low
+}
+
+/// Whether samples of a range are this near to its arc, or its chord where it has no arc.
+fn seems_near(curve: &Piecewise, [from, to]: [f64; 2], near_mm: f64) -> bool {
+    let [start, end] = [from, to].map(|t| curve.point(t));
+    let bulge = bulge_through(start, curve.point(0.5 * (from + to)), end);
+    let bulge = if is_allowed(start, end, bulge) { bulge } else { 0.0 };
+    // Between equal ends the segment is a point: that is right where the curve stands still.
+    let segment = Segment::bulging(start, end, -bulge);
+    let at = |k: u32| curve.point(from + (to - from) * (f64::from(k) / f64::from(SAMPLES)));
+    (1..SAMPLES).all(|k| segment.distance_to(at(k)) <= near_mm)
+}
+
+/// Whether an element may have this bulge.
+fn is_allowed(start: Point2<f64>, end: Point2<f64>, bulge: f64) -> bool {
+    let radius = 0.25 * (end - start).norm() * (1.0 + bulge * bulge) / bulge.abs();
+    bulge == 0.0 || (bulge.abs() <= 1.0 && radius <= LARGEST_RADIUS_MM)
 }
 
 /// The element over a range, if it is proved to stay within the tolerance.
-fn fit(curve: &Piecewise, [from, to]: [f64; 2], tolerance_mm: f64) -> Option<Element> {
+fn fit(curve: &Piecewise, [from, to]: [f64; 2], tolerance_mm: f64) -> Option<Approximant> {
     let [start, end] = [from, to].map(|t| curve.point(t));
     if start != end {
         let bulge = bulge_through(start, curve.point(0.5 * (from + to)), end);
         let rise = 0.5 * bulge.abs() * (end - start).norm();
-        let radius = 0.25 * (end - start).norm() * (1.0 + bulge * bulge) / bulge.abs();
         let bulges = if rise <= FLAT_PART * tolerance_mm { [0.0, bulge] } else { [bulge, 0.0] };
-        let is_allowed = |bulge: &f64| *bulge == 0.0 || (bulge.abs() <= 1.0 && radius <= LARGEST_RADIUS_MM);
-        for bulge in bulges.into_iter().filter(is_allowed) {
+        for bulge in bulges.into_iter().filter(|bulge| is_allowed(start, end, *bulge)) {
             let segment = Segment::bulging(start, end, -bulge);
             // The judge widens the band by this guard, and the readings are rounded by less.
             let guard = GUARD_MM + GUARD_PART * segment.magnitude();
@@ -143,7 +195,7 @@ fn fit(curve: &Piecewise, [from, to]: [f64; 2], tolerance_mm: f64) -> Option<Ele
             let band = Band { below_mm: side, above_mm: side, measure: Measure::Normal };
             if let Verdict::Within(spread) = judge(curve, &segment.into(), [from, to], Ends::OnCurve, &band) {
                 let deviation_mm = spread.largest_mm() + guard;
-                return Some(Element { to, vertex: Some([start.x, start.y, bulge]), deviation_mm });
+                return Some(Approximant { to, vertex: Some([start.x, start.y, bulge]), deviation_mm });
             }
         }
     }
@@ -153,7 +205,7 @@ fn fit(curve: &Piecewise, [from, to]: [f64; 2], tolerance_mm: f64) -> Option<Ele
 
 /// The chord over a range without a corner of the curve inside, with the diagonal of a box about the range as
 /// its deviation.
-fn jump(curve: &Piecewise, [from, to]: [f64; 2]) -> Element {
+fn jump(curve: &Piecewise, [from, to]: [f64; 2]) -> Approximant {
     let breaks = curve.breaks();
     let inner = &breaks[breaks.partition_point(|t| *t <= from)..];
     let mut sides = [0.0; 2];
@@ -171,7 +223,7 @@ fn jump(curve: &Piecewise, [from, to]: [f64; 2]) -> Element {
     }
     let [start, end] = [from, to].map(|t| curve.point(t));
     let vertex = (start != end).then_some([start.x, start.y, 0.0]);
-    Element { to, vertex, deviation_mm: f64::hypot(sides[0], sides[1]).next_up() }
+    Approximant { to, vertex, deviation_mm: f64::hypot(sides[0], sides[1]).next_up() }
 }
 
 /// The bulge of the arc from `start` to `end` through `via`; zero if the three are on a line.

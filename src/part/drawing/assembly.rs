@@ -1,11 +1,9 @@
 //! Loops, open chains and their nesting, from single curves.
 
-use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hash, Hasher};
-
 use toolpathd_core::budget::{Budget, Stopped};
 
 use super::chains::{Chain, Part, chains};
+use super::copies::without_copies;
 use super::{Branch, Loop, OpenChain, bulge, nesting};
 use crate::fault::{Place, Unreadable};
 use crate::left_out::LeftOuts;
@@ -13,6 +11,12 @@ use crate::left_out::LeftOuts;
 /// A loop bounds an area if the area is above this part of the square of its length. A slot of a length of a
 /// metre that bounds less is a nanometre wide.
 const LEAST_AREA: f64 = 2.5e-10;
+
+/// How near curves are that count as one drawn twice, mm: above the rounding of programs that move a drawing,
+/// and far below the details of any.
+const SAME_CURVE_MM: f64 = 1e-6;
+
+const TWICE: &str = "drawn twice";
 
 /// A curve as lines and arcs.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +47,8 @@ pub struct Assembly {
     pub left_out: LeftOuts,
 }
 
-/// Joins curves to loops, and nests the loops. A curve that repeats another is left out.
+/// Joins curves to loops, and nests the loops. A curve that repeats another is left out, and so is a loop or
+/// chain that repeats another within the gap.
 ///
 /// # Errors
 /// When the gap is larger than the distances of too many ends, or the budget ends.
@@ -53,7 +58,14 @@ pub fn assemble(
     mut left_out: LeftOuts,
     limits: Limits,
 ) -> Result<Assembly, Unreadable> {
-    let curves = without_copies(curves, &mut left_out);
+    let budget = limits.budget;
+    let curves = without_copies(
+        curves,
+        |curve| (&curve.vertices, curve.is_closed),
+        SAME_CURVE_MM,
+        budget,
+        |curve| left_out.add(&curve.kind, TWICE, curve.place),
+    )?;
     let origins: Vec<(String, Place)> =
         curves.iter().map(|curve| (curve.kind.clone(), curve.place)).collect();
     let parts = curves.into_iter().enumerate().map(|(first, curve)| Part {
@@ -66,7 +78,15 @@ pub fn assemble(
     let joined = chains(parts.collect(), limits.gap_mm, limits.budget)?;
     let mut loops = Vec::new();
     let mut open = Vec::new();
-    for Chain { vertices, is_closed, layer, first, .. } in joined.chains {
+    // Several curves may repeat a loop that is one curve, so that no curve is a copy.
+    let chains = without_copies(
+        joined.chains,
+        |chain| (&chain.vertices, chain.is_closed),
+        limits.gap_mm,
+        budget,
+        |chain| left_out.add(&origins[chain.first].0, TWICE, origins[chain.first].1),
+    )?;
+    for Chain { vertices, is_closed, layer, first, .. } in chains {
         let layer = layers[layer].to_owned();
         if !is_closed {
             let gap_mm = match (vertices.first(), vertices.last()) {
@@ -110,49 +130,4 @@ fn nested(mut loops: Vec<Loop>, budget: &Budget) -> Result<Vec<Loop>, Stopped> {
     let mut by_old: Vec<Option<Loop>> = loops.into_iter().map(Some).collect();
     let moved = order.into_iter().filter_map(|old| by_old[old].take());
     Ok(moved.map(|one| Loop { parent: one.parent.map(|old| number[old]), ..one }).collect())
-}
-
-/// The curves without those that repeat an earlier one exactly, in either direction.
-fn without_copies(curves: Vec<Curve>, left_out: &mut LeftOuts) -> Vec<Curve> {
-    let mut known: HashMap<u64, Vec<usize>> = HashMap::new();
-    let mut kept: Vec<Curve> = Vec::with_capacity(curves.len());
-    for curve in curves {
-        let form = usual_form(&curve);
-        let mut hasher = DefaultHasher::new();
-        for number in form.as_flattened() {
-            number.to_bits().hash(&mut hasher);
-        }
-        let same = known.entry(hasher.finish()).or_default();
-        let is_copy = |k: &usize| {
-            let other = &kept[*k];
-            other.is_closed == curve.is_closed
-                && other.vertices.len() == curve.vertices.len()
-                && usual_form(other) == form
-        };
-        if same.iter().any(is_copy) {
-            left_out.add(&curve.kind, "drawn twice", curve.place);
-        } else {
-            same.push(kept.len());
-            kept.push(curve);
-        }
-    }
-    kept
-}
-
-/// The vertices in an order that depends neither on the direction nor, for a loop, on the first vertex.
-fn usual_form(curve: &Curve) -> Vec<[f64; 3]> {
-    let back = bulge::reversed(&curve.vertices, curve.is_closed);
-    let [ahead, back] = [curve.vertices.clone(), back].map(|mut vertices| {
-        if curve.is_closed {
-            let least = (0..vertices.len()).min_by(|a, b| compare(&vertices[*a], &vertices[*b]));
-            vertices.rotate_left(least.unwrap_or(0));
-        }
-        vertices
-    });
-    let order = ahead.iter().zip(&back).map(|(a, b)| compare(a, b)).find(|order| order.is_ne());
-    if order.is_some_and(|order| order.is_gt()) { back } else { ahead }
-}
-
-fn compare(a: &[f64; 3], b: &[f64; 3]) -> std::cmp::Ordering {
-    a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
 }

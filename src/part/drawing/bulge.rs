@@ -18,9 +18,13 @@ pub fn segments(vertices: &[[f64; 3]], is_closed: bool) -> impl Iterator<Item = 
 
 /// The signed area that a loop encloses, positive if the loop runs counterclockwise.
 pub fn area(vertices: &[[f64; 3]]) -> f64 {
-    let Some([x, y, _]) = vertices.first().copied() else { return 0.0 };
     // Measured from the first vertex, the triangles of a small loop far from the origin lose no digits.
-    let twice: f64 = pairs(vertices, true)
+    vertices.first().map_or(0.0, |[x, y, _]| swept(vertices, true, [*x, *y]))
+}
+
+/// The signed area between a place and a chain, positive if the chain runs counterclockwise around the place.
+pub fn swept(vertices: &[[f64; 3]], is_closed: bool, [x, y]: [f64; 2]) -> f64 {
+    let twice: f64 = pairs(vertices, is_closed)
         .map(|[from, to]| {
             let [a, b] = [from, to].map(|p| [p[0] - x, p[1] - y]);
             a[0] * b[1] - a[1] * b[0] + 2.0 * area_beside_chord(from, to)

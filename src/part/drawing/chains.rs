@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashSet};
 
 use toolpathd_core::budget::Budget;
 
+use super::faces::Leaving;
 use super::links::{EndOf, Links, links};
 use super::{Branch, bulge};
 use crate::fault::Unreadable;
@@ -69,13 +70,18 @@ impl Chains {
         is_last: bool,
         budget: &Budget,
     ) -> Result<Vec<Chain>, Unreadable> {
+        let origin = parts.first().map_or([0.0; 2], |part| [part.vertices[0][0], part.vertices[0][1]]);
         let mut places = Vec::with_capacity(2 * parts.len());
         let mut ends = Vec::with_capacity(2 * parts.len());
         for part in &parts {
             let length_mm = bulge::length(&part.vertices, false);
-            for (k, at) in [0, part.vertices.len() - 1].into_iter().enumerate() {
-                places.push([part.vertices[at][0], part.vertices[at][1]]);
-                ends.push(EndOf { is_written: part.is_written[k], length_mm });
+            let swept_mm2 = bulge::swept(&part.vertices, false, origin);
+            let back = bulge::reversed(&part.vertices, false);
+            for (k, vertices) in [&part.vertices, &back].into_iter().enumerate() {
+                places.push([vertices[0][0], vertices[0][1]]);
+                let swept_mm2 = if k == 0 { swept_mm2 } else { -swept_mm2 };
+                let leaving = leaving(vertices);
+                ends.push(EndOf { is_written: part.is_written[k], length_mm, swept_mm2, leaving });
             }
         }
         let mut links = links(places, &ends, gap_mm, budget)?;
@@ -90,6 +96,13 @@ impl Chains {
         self.branches.append(&mut links.branches);
         Ok(walk(parts, &links))
     }
+}
+
+/// How a chain leaves its first vertex.
+fn leaving(vertices: &[[f64; 3]]) -> Leaving {
+    let first = bulge::segment(vertices[0], vertices[1]);
+    let [along, _] = first.tangents();
+    Leaving { angle: along.y.atan2(along.x), curvature: first.curvature() }
 }
 
 /// The chains along joined ends.

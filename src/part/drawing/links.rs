@@ -3,11 +3,14 @@
 //! # Method
 //! 1. Ends in exactly one place are joined if there are two of them. Where there are more, the place is a
 //!    branch.
-//! 2. Of the ends that are alone in their places, the two nearest to each other are joined, then the next two,
-//!    up to the gap.
+//! 2. Of the ends that are alone in their places, the two nearest to each other are joined, then the next
+//!    two, up to the gap.
 //! 3. At each branch, a chain that ends nowhere is taken away, because it bounds nothing; a chain that leaves
 //!    the branch and returns to it is closed; and if two ends remain, they are joined. This is repeated until
-//!    nothing changes. More ends than two stay open: any choice among them would be a guess.
+//!    nothing changes. Where more ends than two remain, they are joined around faces ([`faces`]), or stay
+//!    open: any choice among them would be a guess.
+//! 4. An end that is still alone may lie within the gap of two joined ends whose chain is open. The three are
+//!    then a branch, as in step 3. The two are joined again if that leads to no other pair.
 //!
 //! The result depends neither on the order of the curves nor on their directions, except where two pairs of
 //! ends are equally far apart and in the same places.
@@ -15,17 +18,23 @@
 //! # Cost
 //! O(n log n), and one step for each pair of lone ends within the gap. Their number is limited.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use toolpathd_core::budget::Budget;
 
 use super::Branch;
+use super::faces::{self, Leaving};
+use super::grid::Grid;
 use crate::fault::{Place, Unreadable};
 
-/// The most pairs of ends within the gap, for each end and at least. More mean that the gap is larger than the
-/// details of the drawing.
+/// The most pairs of ends within the gap, for each end and at least. More mean that the gap is larger than
+/// the details of the drawing.
 const PAIRS_AN_END: usize = 50;
 const PAIRS_AT_LEAST: usize = 100_000;
+
+/// How far ends of one place may lie apart by rounding, as a part of the largest coordinate: they are
+/// computed from angles, or moved with a block. Such a distance is no gap.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A curve whose ends are joined to each other is longer than this many times the gap.
 const LEAST_LENGTH: f64 = 4.0;
@@ -35,6 +44,8 @@ const LEAST_LENGTH: f64 = 4.0;
 pub struct Links {
     pub places: Vec<[f64; 2]>,
     pub mates: Vec<Option<usize>>,
+    rounding_mm: f64,
+    /// The largest gap, where it is more than rounding.
     pub bridged_max_mm: f64,
     pub branches: Vec<Branch>,
     /// The end at the other side of the chain, for each end of a chain.
@@ -50,6 +61,9 @@ pub struct EndOf {
     pub is_written: bool,
     /// The length of the curve.
     pub length_mm: f64,
+    /// The area between the origin and the curve that starts at this end, as in [`faces::joints`].
+    pub swept_mm2: f64,
+    pub leaving: Leaving,
 }
 
 /// # Errors
@@ -61,9 +75,13 @@ pub fn links(
     budget: &Budget,
 ) -> Result<Links, Unreadable> {
     let n = places.len();
+    let largest = places.as_flattened().iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let rounding_mm = ROUNDING * largest;
+    let gap_mm = gap_mm.max(rounding_mm);
     let mut links = Links {
         places,
         mates: vec![None; n],
+        rounding_mm,
         bridged_max_mm: 0.0,
         branches: Vec::new(),
         opposite: (0..n).map(|end| end ^ 1).collect(),
@@ -72,8 +90,9 @@ pub fn links(
     let (lone, branches) = links.join_in_places();
     budget.check()?;
     links.join_within_gap(&lone, ends, gap_mm, budget)?;
-    links.resolve(branches);
+    links.resolve(branches, ends);
     links.lone = lone;
+    links.reconsider(ends, gap_mm);
     Ok(links)
 }
 
@@ -85,6 +104,12 @@ impl Links {
         let [far_a, far_b] = [self.opposite[a], self.opposite[b]];
         self.opposite[far_a] = far_b;
         self.opposite[far_b] = far_a;
+    }
+
+    fn bridge(&mut self, distance_mm: f64) {
+        if distance_mm > self.rounding_mm {
+            self.bridged_max_mm = self.bridged_max_mm.max(distance_mm);
+        }
     }
 
     /// Joins two ends in one place. Returns the ends that are alone in theirs, and those of each branch.
@@ -149,7 +174,7 @@ impl Links {
                 self.join([a, b]);
                 self.places[a] = joint;
                 self.places[b] = joint;
-                self.bridged_max_mm = self.bridged_max_mm.max(distance);
+                self.bridge(distance);
             }
         }
         Ok(())
@@ -160,10 +185,32 @@ impl Links {
         if compare(self.places[a], self.places[b]).is_gt() { [b, a] } else { [a, b] }
     }
 
-    /// Joins ends at branches as far as there is no choice.
-    fn resolve(&mut self, mut branches: Vec<Vec<usize>>) {
-        let counts: Vec<usize> = branches.iter().map(Vec::len).collect();
-        let places: Vec<[f64; 2]> = branches.iter().map(|ends| self.places[ends[0]]).collect();
+    /// Joins ends at branches as far as there is no choice, and tells the branches.
+    fn resolve(&mut self, branches: Vec<Vec<usize>>, ends: &[EndOf]) {
+        let remaining = self.join_at(branches.clone());
+        let joints = {
+            let swept = |end: usize| {
+                let mut area = ends[end].swept_mm2;
+                let mut at = end ^ 1;
+                while let Some(next) = self.mates[at] {
+                    area += ends[next].swept_mm2;
+                    at = next ^ 1;
+                }
+                area
+            };
+            faces::joints(&remaining, |end| ends[end].leaving, |end| self.opposite[end], swept)
+        };
+        for joint in joints {
+            self.join(joint);
+        }
+        for ends in branches {
+            let n_open = ends.iter().filter(|end| self.mates[**end].is_none()).count();
+            self.branches.push(Branch { at: self.places[ends[0]], n_ends: ends.len(), n_open });
+        }
+    }
+
+    /// Joins ends at branches where there is no choice. Returns the ends at each branch that has a choice.
+    fn join_at(&mut self, mut branches: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
         let mut branch_of: HashMap<usize, usize> = HashMap::new();
         for (number, ends) in branches.iter().enumerate() {
             branch_of.extend(ends.iter().map(|end| (*end, number)));
@@ -202,20 +249,101 @@ impl Links {
             }
             branches[number] = remaining;
         }
-        let mut n_open: HashMap<[u64; 2], usize> = HashMap::new();
-        for (place, mate) in self.places.iter().zip(&self.mates) {
-            *n_open.entry(place.map(f64::to_bits)).or_default() += usize::from(mate.is_none());
+        for ends in &mut branches {
+            ends.retain(|end| self.mates[*end].is_none());
         }
-        self.branches = places
-            .iter()
-            .zip(counts)
-            .map(|(at, n_ends)| Branch { at: *at, n_ends, n_open: n_open[&at.map(f64::to_bits)] })
-            .collect();
+        branches.retain(|ends| !ends.is_empty());
+        branches
+    }
+
+    /// Joins lone ends with ends that were joined to others, where the chain of these is open.
+    fn reconsider(&mut self, ends: &[EndOf], gap_mm: f64) {
+        let left = self.left();
+        if left.is_empty() || gap_mm == 0.0 {
+            return;
+        }
+        let pairs = self.pairs_on_open_chains();
+        let grid = Grid::new(pairs.iter().map(|end| (*end, self.places[*end])), gap_mm);
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for lone in left {
+            let place = self.places[lone];
+            let is_short = ends[lone].length_mm <= LEAST_LENGTH * gap_mm;
+            let is_own = |pair: usize| is_short && (pair == lone ^ 1 || self.mates[pair] == Some(lone ^ 1));
+            let near = grid
+                .near(place)
+                .map(|pair| (distance(self.places[pair], place), pair))
+                .filter(|(distance, pair)| *distance <= gap_mm && !is_own(*pair))
+                .min_by(|(near, a), (far, b)| {
+                    near.total_cmp(far).then_with(|| compare(self.places[*a], self.places[*b]))
+                });
+            if let Some((_, pair)) = near {
+                groups.entry(pair).or_default().push(lone);
+            }
+        }
+        let mut branches = Vec::new();
+        for (a, lone) in groups {
+            let Some(b) = self.mates[a].take() else { continue };
+            self.mates[b] = None;
+            branches.push([vec![a, b], lone].concat());
+        }
+        self.follow_chains();
+        self.join_at(branches.clone());
+        for branch in branches {
+            let [a, b] = [branch[0], branch[1]];
+            if self.mates[a].is_none() && self.mates[b].is_none() {
+                self.join([a, b]);
+            }
+            let at = self.places[a];
+            let n_open = branch.iter().filter(|end| self.mates[**end].is_none()).count();
+            let moved: Vec<usize> =
+                branch[2..].iter().copied().filter(|end| self.mates[*end].is_some()).collect();
+            for end in &moved {
+                self.bridge(distance(self.places[*end], at));
+                self.places[*end] = at;
+            }
+            if !moved.is_empty() {
+                self.branches.push(Branch { at, n_ends: branch.len(), n_open });
+            }
+        }
+    }
+
+    /// One end of each joined pair on a chain that is open.
+    fn pairs_on_open_chains(&self) -> Vec<usize> {
+        let mut pairs = Vec::new();
+        for start in (0..self.mates.len()).filter(|end| self.mates[*end].is_none()) {
+            let mut at = start;
+            while let Some(next) = self.mates[at ^ 1] {
+                pairs.push(next.min(at ^ 1));
+                at = next;
+            }
+        }
+        // Each chain is walked from both of its ends.
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
+    /// Finds the opposite ends of all open chains.
+    fn follow_chains(&mut self) {
+        for start in 0..self.mates.len() {
+            if self.mates[start].is_none() {
+                let mut at = start ^ 1;
+                while let Some(next) = self.mates[at] {
+                    at = next ^ 1;
+                }
+                self.opposite[start] = at;
+            }
+        }
+    }
+
+    /// The lone ends that are joined to no other.
+    fn left(&self) -> Vec<usize> {
+        self.lone.iter().copied().filter(|end| self.mates[*end].is_none()).collect()
     }
 
     /// A lone end within the gap of joined ends or of a branch is a branch as well.
     pub fn tell_lone_ends_beside_others(&mut self, gap_mm: f64) {
-        let left: Vec<usize> = self.lone.iter().copied().filter(|end| self.mates[*end].is_none()).collect();
+        let left = self.left();
         if left.is_empty() || gap_mm == 0.0 {
             return;
         }
@@ -251,33 +379,4 @@ fn compare(a: [f64; 2], b: [f64; 2]) -> std::cmp::Ordering {
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     f64::hypot(b[0] - a[0], b[1] - a[1])
-}
-
-/// Numbered places by square cells.
-struct Grid {
-    cells: HashMap<[i64; 2], Vec<usize>>,
-    size: f64,
-}
-
-impl Grid {
-    fn new(places: impl Iterator<Item = (usize, [f64; 2])>, size: f64) -> Self {
-        let mut grid = Self { cells: HashMap::new(), size };
-        for (number, place) in places {
-            grid.cells.entry(grid.cell(place)).or_default().push(number);
-        }
-        grid
-    }
-
-    fn cell(&self, place: [f64; 2]) -> [i64; 2] {
-        // A number beyond the range of `i64` is the last of the range.
-        place.map(|x| (x / self.size).floor() as i64)
-    }
-
-    /// The numbers of the places in the cell of a place and the cells around it.
-    fn near(&self, place: [f64; 2]) -> impl Iterator<Item = usize> + '_ {
-        let [column, row] = self.cell(place);
-        let around = |at: i64| [at.saturating_sub(1), at, at.saturating_add(1)];
-        let cells = around(column).into_iter().flat_map(move |x| around(row).map(|y| [x, y]));
-        cells.filter_map(|cell| self.cells.get(&cell)).flatten().copied()
-    }
 }

@@ -14,7 +14,8 @@
 //! other are nested by the place alone.
 //!
 //! # Cost
-//! O(n log n) for n elements, and one step for each element at the height of each place.
+//! O(n log n) for n elements, and one step for each element at the height of each place. The sweep runs along
+//! x instead of y if that takes fewer steps.
 
 use nalgebra::Point2;
 use toolpathd_core::budget::{Budget, Stopped};
@@ -22,8 +23,8 @@ use toolpathd_core::geometry::segment::Segment;
 
 use super::{Loop, bulge};
 
-/// The heights at which a place inside a loop is sought, as parts of its height. They are no simple fractions,
-/// at which many drawings have vertices.
+/// The heights at which a place inside a loop is sought, as parts of its height. They are no simple
+/// fractions, at which many drawings have vertices.
 const HEIGHTS: [f64; 7] = [0.503, 0.353, 0.647, 0.211, 0.787, 0.0713, 0.931];
 
 /// Where a loop lies.
@@ -37,53 +38,90 @@ pub struct Nest {
 /// # Errors
 /// When the budget ends.
 pub fn nests(loops: &[Loop], budget: &Budget) -> Result<Vec<Nest>, Stopped> {
-    let mut edges: Vec<Edge> = Vec::new();
-    let mut places: Vec<(usize, [f64; 2])> = Vec::new();
-    for (number, one) in loops.iter().enumerate() {
-        budget.check()?;
-        let first = edges.len();
-        for segment in bulge::segments(&one.vertices, true) {
-            push_edges(&segment, number, &mut edges);
-        }
-        places.extend(place_inside(&edges[first..]).map(|place| (number, place)));
+    let along_y = Sweep::new(loops, |v| v, budget)?;
+    // The same with x and y exchanged, which turns arcs the other way.
+    let along_x = Sweep::new(loops, |[x, y, bulge]| [y, x, -bulge], budget)?;
+    if along_x.n_steps() < along_y.n_steps() {
+        along_x.nests(loops, budget)
+    } else {
+        along_y.nests(loops, budget)
     }
-    edges.sort_by(|a, b| a.low.total_cmp(&b.low));
-    places.sort_by(|(a, p), (b, q)| p[1].total_cmp(&q[1]).then(a.cmp(b)));
-    let mut nests = vec![Nest::default(); loops.len()];
-    let mut next = 0;
-    let mut crossed: Vec<Edge> = Vec::new();
-    let mut is_odd = vec![false; loops.len()];
-    for (number, [x, y]) in places {
-        budget.check()?;
-        crossed.retain(|edge| edge.high > y);
-        while let Some(edge) = edges.get(next).filter(|edge| edge.low <= y) {
-            if edge.high > y {
-                crossed.push(*edge);
+}
+
+/// The parts of the loops, and a place inside each loop.
+struct Sweep {
+    /// By their lower ends.
+    edges: Vec<Edge>,
+    /// With the numbers of their loops, by y.
+    places: Vec<(usize, [f64; 2])>,
+}
+
+impl Sweep {
+    fn new(loops: &[Loop], map: impl Fn([f64; 3]) -> [f64; 3], budget: &Budget) -> Result<Self, Stopped> {
+        let mut edges: Vec<Edge> = Vec::new();
+        let mut places: Vec<(usize, [f64; 2])> = Vec::new();
+        for (number, one) in loops.iter().enumerate() {
+            budget.check()?;
+            let first = edges.len();
+            let vertices: Vec<[f64; 3]> = one.vertices.iter().map(|v| map(*v)).collect();
+            for segment in bulge::segments(&vertices, true) {
+                push_edges(&segment, number, &mut edges);
             }
-            next += 1;
+            places.extend(place_inside(&edges[first..]).map(|place| (number, place)));
         }
-        let mut touched = Vec::new();
-        for edge in &crossed {
-            if edge.right > x && (edge.left > x || edge.x_at(y) > x) {
-                is_odd[edge.number] ^= true;
-                touched.push(edge.number);
+        edges.sort_by(|a, b| a.low.total_cmp(&b.low));
+        places.sort_by(|(a, p), (b, q)| p[1].total_cmp(&q[1]).then(a.cmp(b)));
+        Ok(Self { edges, places })
+    }
+
+    /// How many edges the sweep looks at: those at the heights of all places.
+    fn n_steps(&self) -> usize {
+        let mut highs: Vec<f64> = self.edges.iter().map(|edge| edge.high).collect();
+        highs.sort_by(f64::total_cmp);
+        let at = |y: f64| {
+            let begun = self.edges.partition_point(|edge| edge.low <= y);
+            begun - highs.partition_point(|high| *high <= y).min(begun)
+        };
+        self.places.iter().map(|(_, place)| at(place[1])).sum()
+    }
+
+    fn nests(&self, loops: &[Loop], budget: &Budget) -> Result<Vec<Nest>, Stopped> {
+        let mut nests = vec![Nest::default(); loops.len()];
+        let mut next = 0;
+        let mut crossed: Vec<Edge> = Vec::new();
+        let mut is_odd = vec![false; loops.len()];
+        for &(number, [x, y]) in &self.places {
+            budget.check()?;
+            crossed.retain(|edge| edge.high > y);
+            while let Some(edge) = self.edges.get(next).filter(|edge| edge.low <= y) {
+                if edge.high > y {
+                    crossed.push(*edge);
+                }
+                next += 1;
             }
-        }
-        touched.sort_unstable();
-        touched.dedup();
-        let size = |k: usize| (loops[k].area_mm2, std::cmp::Reverse(k));
-        let nest = &mut nests[number];
-        for other in touched {
-            let holds = std::mem::take(&mut is_odd[other]);
-            if holds && other != number && size(other) > size(number) {
-                nest.depth += 1;
-                if nest.parent.is_none_or(|parent| size(other) < size(parent)) {
-                    nest.parent = Some(other);
+            let mut touched = Vec::new();
+            for edge in &crossed {
+                if edge.right > x && (edge.left > x || edge.x_at(y) > x) {
+                    is_odd[edge.number] ^= true;
+                    touched.push(edge.number);
+                }
+            }
+            touched.sort_unstable();
+            touched.dedup();
+            let size = |k: usize| (loops[k].area_mm2, std::cmp::Reverse(k));
+            let nest = &mut nests[number];
+            for other in touched {
+                let holds = std::mem::take(&mut is_odd[other]);
+                if holds && other != number && size(other) > size(number) {
+                    nest.depth += 1;
+                    if nest.parent.is_none_or(|parent| size(other) < size(parent)) {
+                        nest.parent = Some(other);
+                    }
                 }
             }
         }
+        Ok(nests)
     }
-    Ok(nests)
 }
 
 /// A part of a line or an arc along which y rises or falls.

@@ -3,12 +3,13 @@
 use std::collections::{HashMap, HashSet};
 
 use super::DxfOptions;
-use super::curves::{Drawer, Undrawn};
-use super::entity::{Content, Entity, Insert, Shape};
-use super::file::{Block, File};
+use super::curves::{Drafting, Undrawn};
+use super::entity::Entity;
+use super::file::{Definition, File};
 use super::names::key;
 use super::placement::Placement;
 use super::reasons as because;
+use super::shape::{Content, Insert, Shape};
 use crate::drawing::Layer;
 use crate::drawing::assembly::Curve;
 use crate::fault::{Place, Unreadable};
@@ -37,14 +38,23 @@ pub struct DrawnFile {
 
 /// # Errors
 /// When there are too many curves, vertices or copies, blocks are too deep in each other, or the budget ends.
+<<<<<<< HEAD
 pub fn draw(file: File, options: &DxfOptions, scale: f64, drawer: &Drawer) -> Result<DrawnFile, Unreadable> {
+=======
+pub fn draw(
+    file: File,
+    options: &DxfOptions,
+    scale: f64,
+    drafting: &Drafting,
+) -> Result<DrawnFile, Unreadable> {
+>>>>>>> dxf40
     let asked = options.layers.as_ref().map(|names| names.iter().map(|name| key(name)).collect());
-    let mut painter = Painter {
+    let mut space = ModelSpace {
         blocks: &file.blocks,
         hidden: &file.hidden,
         asked,
         options,
-        drawer,
+        drafting,
         curves: Vec::new(),
         layers: Vec::new(),
         layer_by_key: HashMap::new(),
@@ -57,22 +67,22 @@ pub fn draw(file: File, options: &DxfOptions, scale: f64, drawer: &Drawer) -> Re
         n_entities: 0,
         open: Vec::new(),
     };
-    painter.entities(&file.entities, &Placement::scaled(scale), None)?;
+    space.entities(&file.entities, &Placement::scaled(scale), None)?;
     Ok(DrawnFile {
-        curves: painter.curves,
-        layers: painter.layers,
-        left_out: painter.left_out,
-        deviation_max_mm: painter.deviation_max_mm,
+        curves: space.curves,
+        layers: space.layers,
+        left_out: space.left_out,
+        deviation_max_mm: space.deviation_max_mm,
     })
 }
 
-struct Painter<'a> {
-    blocks: &'a HashMap<String, Block>,
+struct ModelSpace<'a> {
+    blocks: &'a HashMap<String, Definition>,
     hidden: &'a HashMap<String, &'static str>,
     /// The keys of the layers that are read; `None` for all.
     asked: Option<HashSet<String>>,
     options: &'a DxfOptions,
-    drawer: &'a Drawer<'a>,
+    drafting: &'a Drafting<'a>,
     curves: Vec<Curve>,
     layers: Vec<Layer>,
     layer_by_key: HashMap<String, usize>,
@@ -87,7 +97,7 @@ struct Painter<'a> {
     open: Vec<&'a str>,
 }
 
-impl<'a> Painter<'a> {
+impl<'a> ModelSpace<'a> {
     /// Draws entities. `around` is the layer of the block that holds them.
     fn entities(
         &mut self,
@@ -98,7 +108,7 @@ impl<'a> Painter<'a> {
         for entity in entities {
             self.n_entities += 1;
             if self.n_entities.is_multiple_of(ENTITIES_BETWEEN_CHECKS) {
-                self.drawer.budget.check()?;
+                self.drafting.budget.check()?;
             }
             // The layer 0 of a block is that of the place where the block is put.
             let layer = around.filter(|_| entity.layer == "0").unwrap_or(&entity.layer);
@@ -153,7 +163,7 @@ impl<'a> Painter<'a> {
             self.leave_out(entity, because::NOT_ASKED);
             return Ok(());
         }
-        let drawn = match self.drawer.draw(shape, placement, entity.place) {
+        let drawn = match self.drafting.draw(shape, placement, entity.place) {
             Ok(drawn) => drawn,
             Err(Undrawn::Refused(unreadable)) => return Err(unreadable),
             Err(Undrawn::LeftOut(reason)) => {
@@ -219,7 +229,7 @@ impl<'a> Painter<'a> {
     fn count_copy(&mut self, place: Place) -> Result<(), Unreadable> {
         self.n_copies += 1;
         if self.n_copies.is_multiple_of(ENTITIES_BETWEEN_CHECKS) {
-            self.drawer.budget.check()?;
+            self.drafting.budget.check()?;
         }
         let limit = self.options.curve_limit.saturating_mul(COPIES_A_CURVE);
         match self.n_copies > limit {

@@ -6,21 +6,24 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use toolpathd_core::budget::{Budget, Stopped};
-use toolpathd_core::geometry::plane_curve::interpolant;
 use toolpathd_core::geometry::plane_curve::nurbs::Nurbs;
 use toolpathd_core::geometry::plane_curve::piecewise::{Bezier, Piecewise};
-use toolpathd_core::geometry::segment::{PlaneArc, Segment};
+use toolpathd_core::geometry::segment;
+use toolpathd_core::geometry::spline::{EndCondition, derivatives_over};
 
-use super::entity::Shape;
 use super::placement::{Placement, are_axes_of_a_circle, cosine_and_sine, perp};
 use super::reasons as because;
+use super::shape::{Shape, Tangents};
 use crate::drawing::arcs;
 use crate::fault::{Place, Unreadable};
 
 /// The largest coordinate, mm: a thousand kilometres. Coordinates are rounded by 1e-7 mm there.
 const LARGEST_MM: f64 = 1e9;
+
+/// The largest bulge: an arc that lacks 4e-6 radians to a full turn.
+const LARGEST_BULGE: f64 = 1e6;
 
 /// How far the range of an ellipse may be from a full turn, radians, and count as one. Files round
 /// parameters to 6 decimals at least.
@@ -55,14 +58,14 @@ impl From<Stopped> for Undrawn {
 
 /// How shapes are drawn.
 #[derive(Clone, Copy)]
-pub struct Drawer<'a> {
+pub struct Drafting<'a> {
     pub tolerance_mm: f64,
     /// The most vertices of a shape.
     pub vertex_limit: usize,
     pub budget: &'a Budget,
 }
 
-impl Drawer<'_> {
+impl Drafting<'_> {
     /// # Errors
     /// When the shape is no curve, needs too many vertices, or the budget ends.
     pub fn draw(&self, shape: &Shape, placement: &Placement, place: Place) -> Result<Drawn, Undrawn> {
@@ -81,13 +84,15 @@ impl Drawer<'_> {
             }
             Shape::Ellipse { center, major, minor, start, end } => {
                 let turn = (end - start).rem_euclid(TAU);
-                let is_full = turn < FULL_TURN || turn > TAU - FULL_TURN;
+                let is_full = !(FULL_TURN..=TAU - FULL_TURN).contains(&turn);
                 let turn = if is_full { TAU } else { turn };
                 let conic = Conic { center: *center, major: *major, minor: *minor, start: *start, turn };
                 self.conic(&conic, placement, place)?
             }
             Shape::Nurbs(nurbs) => self.spline(&nurbs_curve(nurbs, placement)?, place)?,
-            Shape::Through(points) => self.spline(&curve_through(points, placement)?, place)?,
+            Shape::Through { points, tangents } => {
+                self.spline(&curve_through(points, *tangents, placement)?, place)?
+            }
         };
         let has_written_ends = matches!(shape, Shape::Line(_) | Shape::Polyline { .. });
         finished(Drawn { vertices, is_closed, has_written_ends, deviation_mm })
@@ -180,10 +185,8 @@ impl Drawer<'_> {
             let start = drawn.len();
             drawn.push(vertex(point(from), 0.0));
             let Some(next) = next else { break };
-            if let Segment::Arc(arc) =
-                Segment::bulging([from[0], from[1]].into(), [next[0], next[1]].into(), -from[2])
-            {
-                let (arcs, _, deviation) = self.conic(&Conic::of(&arc), placement, place)?;
+            if from[2] != 0.0 && from[..2] != next[..2] {
+                let (arcs, _, deviation) = self.conic(&Conic::bulging(from, next), placement, place)?;
                 drawn[start][2] = arcs.first().map_or(0.0, |first| first[2]);
                 drawn.extend(arcs.iter().take(arcs.len().saturating_sub(1)).skip(1));
                 deviation_mm = deviation_mm.max(deviation);
@@ -208,11 +211,21 @@ struct Conic {
 }
 
 impl Conic {
-    fn of(arc: &PlaneArc) -> Self {
-        let major = arc.start() - arc.center();
-        let minor = [-major.y * arc.turn().signum(), major.x * arc.turn().signum()];
-        let center = [arc.center().x, arc.center().y];
-        Self { center, major: [major.x, major.y], minor, start: 0.0, turn: arc.turn().abs() }
+    /// The arc from a vertex of a polyline to the next.
+    fn bulging(from: &[f64; 3], to: &[f64; 3]) -> Self {
+        let [start, end] = [from, to].map(|v| Vector2::new(v[0], v[1]));
+        // Core counts bulges positive to the left of the chord.
+        let center = segment::center(start, end, -from[2]);
+        let major = start - center;
+        let side = from[2].signum();
+        let turn = 4.0 * from[2].abs().atan();
+        Self {
+            center: center.into(),
+            major: major.into(),
+            minor: [-major.y * side, major.x * side],
+            start: 0.0,
+            turn,
+        }
     }
 
     fn placed(&self, placement: &Placement) -> Self {
@@ -249,10 +262,11 @@ impl Conic {
             let (sine, cosine) = (self.start + half * (2.0 * k as f64 + 1.0)).sin_cos();
             let middle = self.at(cosine / half.cos(), sine / half.cos());
             let points = [ends[k], middle, ends[k + 1]].map(Point2::from);
-            Bezier::rational(&points, &[1.0, half.cos(), 1.0]).map(|piece| (piece, (k + 1) as f64))
+            check_near(&points)?;
+            let piece = Bezier::rational(&points, &[1.0, half.cos(), 1.0]);
+            piece.map(|piece| (piece, (k + 1) as f64)).map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
         });
-        let pieces: Vec<_> =
-            pieces.collect::<Result<_, _>>().map_err(|_| Undrawn::LeftOut(because::NO_CURVE))?;
+        let pieces: Vec<_> = pieces.collect::<Result<_, _>>()?;
         Piecewise::new(0.0, pieces).map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
     }
 }
@@ -276,14 +290,60 @@ fn vertex([x, y]: [f64; 2], bulge: f64) -> [f64; 3] {
 }
 
 fn nurbs_curve(nurbs: &Nurbs, placement: &Placement) -> Result<Piecewise, Undrawn> {
-    let control_points = nurbs.control_points.iter().map(|p| placement.point([p.x, p.y]).into()).collect();
+    let control_points: Vec<Point2<f64>> =
+        nurbs.control_points.iter().map(|p| placement.point([p.x, p.y]).into()).collect();
+    check_near(&control_points)?;
     let placed = Nurbs { control_points, ..nurbs.clone() };
     placed.curve().map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
 }
 
-fn curve_through(points: &[[f64; 2]], placement: &Placement) -> Result<Piecewise, Undrawn> {
-    let points: Vec<Point2<f64>> = points.iter().map(|p| placement.point(*p).into()).collect();
-    interpolant::through(&points).map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
+/// The cubic through points with two continuous derivatives. Its parameter grows by the lengths of the
+/// chords, so that tangents that are given have a length of one.
+fn curve_through(
+    points: &[[f64; 2]],
+    tangents: Tangents,
+    placement: &Placement,
+) -> Result<Piecewise, Undrawn> {
+    let points: Vec<Vector2<f64>> = points.iter().map(|p| placement.point(*p).into()).collect();
+    check_near(&points.iter().map(|p| Point2::from(*p)).collect::<Vec<_>>())?;
+    let steps: Vec<f64> = points.windows(2).map(|ends| (ends[1] - ends[0]).norm()).collect();
+    if steps.iter().any(|step| *step <= 0.0) {
+        return Err(Undrawn::LeftOut(because::NO_CURVE));
+    }
+    let ends = match tangents {
+        Tangents::Free => EndCondition::NotAKnot,
+        Tangents::Closed => EndCondition::Periodic,
+        Tangents::Given(directions) => {
+            let [start, end] = directions.map(|v| Vector2::from(placement.direction(v)).normalize());
+            EndCondition::Clamped(start, end)
+        }
+    };
+    let slopes = derivatives_over(&steps, &points, ends);
+    let mut at = 0.0;
+    let pieces = steps.iter().enumerate().map(|(k, step)| {
+        let (from, to) = (points[k], points[k + 1]);
+        let control = [from, from + slopes[k] * (step / 3.0), to - slopes[k + 1] * (step / 3.0), to];
+        at += step;
+        Bezier::polynomial(&control.map(Point2::from)).map(|piece| (piece, at))
+    });
+    let pieces: Vec<_> = pieces.collect::<Result<_, _>>().map_err(|_| Undrawn::LeftOut(because::NO_CURVE))?;
+    Piecewise::new(0.0, pieces).map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
+}
+
+/// Refuses points far from the origin: arcs near them would be rounding.
+fn check_near(points: &[Point2<f64>]) -> Result<(), Undrawn> {
+    match points.iter().all(|p| p.x.abs() <= LARGEST_MM && p.y.abs() <= LARGEST_MM) {
+        true => Ok(()),
+        false => Err(Undrawn::LeftOut(because::FAR)),
+    }
+}
+
+/// Whether an arc has a circle, and stays near the origin if its ends do.
+fn is_arc_near(from: &[f64; 3], to: &[f64; 3]) -> bool {
+    // An arc of more than half a turn rises above its chord by half of its bulge times its chord.
+    let bulge = from[2].abs();
+    bulge <= 1.0
+        || (bulge <= LARGEST_BULGE && bulge * f64::hypot(to[0] - from[0], to[1] - from[1]) <= LARGEST_MM)
 }
 
 /// The curve without pieces that have no length. A curve whose ends are one place is closed.
@@ -316,6 +376,10 @@ fn finished(mut drawn: Drawn) -> Result<Drawn, Undrawn> {
     }
     if kept.len() < 2 {
         return Err(Undrawn::LeftOut(because::NO_LENGTH));
+    }
+    let next = kept.iter().cycle().skip(1);
+    if !kept.iter().zip(next).all(|(from, to)| is_arc_near(from, to)) {
+        return Err(Undrawn::LeftOut(because::FAR));
     }
     *vertices = kept;
     Ok(drawn)

@@ -1,18 +1,12 @@
 //! The entities of a DXF file, as curves, placed blocks, and what is left out.
 
-use toolpathd_core::geometry::plane_curve::nurbs::Nurbs;
-
 use super::fields::{Fields, Normal};
 use super::names::{decoded, key};
-use super::placement::Placement;
 use super::polyline;
 use super::reasons as because;
+use super::shape::{Content, Insert, Shape, is_flat, magnitude};
 use super::spline;
 use crate::fault::{Place, Unreadable};
-
-/// How much z may change along a curve in the plane, as a part of its largest coordinate plus 1. The value is
-/// above the rounding of files with 8 decimals.
-const FLAT: f64 = 1e-7;
 
 /// An entity that may be drawn.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +19,7 @@ pub struct Entity {
     pub content: Content,
 }
 
+<<<<<<< HEAD
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
     Curve(Shape),
@@ -83,6 +78,8 @@ pub struct Insert {
     pub is_mirrored: bool,
 }
 
+=======
+>>>>>>> dxf40
 /// Reads an entity that consists of its own groups alone.
 ///
 /// # Errors
@@ -117,19 +114,6 @@ pub fn with_content(fields: &Fields, content: Content) -> Result<Entity, Unreada
     })
 }
 
-/// Whether heights differ by rounding only, on a curve with this largest coordinate.
-pub fn is_flat(heights: impl Iterator<Item = f64>, magnitude: f64) -> bool {
-    let [low, high] =
-        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
-    // Without heights, low is above high.
-    low > high || high - low <= FLAT * (magnitude + 1.0)
-}
-
-/// The largest coordinate of points.
-pub fn magnitude(points: impl Iterator<Item = [f64; 2]>) -> f64 {
-    points.fold(0.0, |most, p| most.max(p[0].abs()).max(p[1].abs()))
-}
-
 fn line(fields: &Fields) -> Result<Content, Unreadable> {
     let ends = [fields.point(10)?, fields.point(11)?];
     let heights = [fields.real(30)?, fields.real(31)?].map(Option::unwrap_or_default);
@@ -140,20 +124,31 @@ fn line(fields: &Fields) -> Result<Content, Unreadable> {
     })
 }
 
-/// The centre and the radius of a circle or an arc, and whether it is seen from below; or why it is none.
-fn round(fields: &Fields) -> Result<Result<([f64; 2], f64, bool), &'static str>, Unreadable> {
+/// The circle of a CIRCLE or an ARC.
+struct Round {
+    center: [f64; 2],
+    radius: f64,
+    is_mirrored: bool,
+}
+
+/// The circle, or why it is none.
+fn round(fields: &Fields) -> Result<Result<Round, &'static str>, Unreadable> {
     let (center, radius) = (fields.point(10)?, fields.need(40)?);
     let normal = fields.normal()?;
     Ok(match normal.placement() {
         None => Err(because::TILTED),
         Some(_) if radius <= 0.0 => Err(because::NO_RADIUS),
-        Some(placement) => Ok((placement.point(center), radius, normal == Normal::Down)),
+        Some(placement) => {
+            Ok(Round { center: placement.point(center), radius, is_mirrored: normal == Normal::Down })
+        }
     })
 }
 
 fn circle(fields: &Fields) -> Result<Content, Unreadable> {
     Ok(match round(fields)? {
-        Ok((center, radius, is_mirrored)) => Content::Curve(Shape::Circle { center, radius, is_mirrored }),
+        Ok(Round { center, radius, is_mirrored }) => {
+            Content::Curve(Shape::Circle { center, radius, is_mirrored })
+        }
         Err(reason) => Content::LeftOut(reason),
     })
 }
@@ -161,7 +156,7 @@ fn circle(fields: &Fields) -> Result<Content, Unreadable> {
 fn arc(fields: &Fields) -> Result<Content, Unreadable> {
     let [start, end] = [fields.need(50)?, fields.need(51)?];
     Ok(match round(fields)? {
-        Ok((center, radius, is_mirrored)) => {
+        Ok(Round { center, radius, is_mirrored }) => {
             Content::Curve(Shape::Arc { center, radius, start, end, is_mirrored })
         }
         Err(reason) => Content::LeftOut(reason),
@@ -209,16 +204,4 @@ fn insert(fields: &Fields) -> Result<Content, Unreadable> {
         distances: [fields.real(44)?.unwrap_or(0.0), fields.real(45)?.unwrap_or(0.0)],
         is_mirrored: normal == Normal::Down,
     })))
-}
-
-impl Insert {
-    /// The map of the copy in a column and a row, of a block with this base point.
-    pub fn placement(&self, base: [f64; 2], [column, row]: [u32; 2]) -> Placement {
-        let turned = Placement::of_block([0.0, 0.0], [1.0, 1.0], self.degrees, [0.0, 0.0]);
-        let aside = [f64::from(column) * self.distances[0], f64::from(row) * self.distances[1]];
-        let aside = turned.direction(aside);
-        let to = [self.at[0] + aside[0], self.at[1] + aside[1]];
-        let placed = Placement::of_block(base, self.scale, self.degrees, to);
-        if self.is_mirrored { Placement::seen_from_below().after(&placed) } else { placed }
-    }
 }

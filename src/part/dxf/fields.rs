@@ -28,8 +28,8 @@ pub enum Normal {
 }
 
 impl<'a> Fields<'a> {
-    /// Reads the groups up to the next entity, and returns the group that starts it. `start` is the group with
-    /// the kind. Extended data, and the groups of applications between braces, are skipped.
+    /// Reads the groups up to the next entity, and returns the group that starts it. `start` is the group
+    /// with the kind. Extended data, and the groups of applications between braces, are skipped.
     ///
     /// # Errors
     /// When the file ends, or a group is broken.

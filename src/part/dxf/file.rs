@@ -17,6 +17,9 @@ use crate::unit::Unit;
 /// Entities between two checks of the budget.
 const ENTITIES_BETWEEN_CHECKS: usize = 256;
 
+/// Groups outside entities between two checks of the budget.
+const GROUPS_BETWEEN_CHECKS: usize = 4096;
+
 /// Bits of a layer's flags, and of a block's flags.
 const FROZEN: i64 = 1;
 const IN_ANOTHER_FILE: i64 = 4 | 32;
@@ -28,14 +31,15 @@ pub struct File {
     /// By the keys of their names: why a layer is hidden.
     pub hidden: HashMap<String, &'static str>,
     /// By the keys of their names.
-    pub blocks: HashMap<String, Block>,
+    pub blocks: HashMap<String, Definition>,
     pub entities: Vec<Entity>,
     /// What lies outside the sections.
     pub left_out: LeftOuts,
 }
 
+/// A block, as it is defined.
 #[derive(Debug, Default)]
-pub struct Block {
+pub struct Definition {
     pub base: [f64; 2],
     pub entities: Vec<Entity>,
     pub is_in_another_file: bool,
@@ -45,6 +49,7 @@ struct Reader<'a, 'b> {
     groups: Groups<'a>,
     fields: Fields<'a>,
     budget: &'b Budget,
+    n_groups: usize,
     n_entities: usize,
     file: File,
 }
@@ -53,8 +58,14 @@ struct Reader<'a, 'b> {
 /// When the file is not whole, a group is broken, or the budget ends.
 pub fn read(bytes: &[u8], budget: &Budget) -> Result<File, Unreadable> {
     let groups = Groups::new(bytes);
-    let mut reader =
-        Reader { groups, fields: Fields::default(), budget, n_entities: 0, file: File::default() };
+    let mut reader = Reader {
+        groups,
+        fields: Fields::default(),
+        budget,
+        n_groups: 0,
+        n_entities: 0,
+        file: File::default(),
+    };
     reader.sections()?;
     Ok(reader.file)
 }
@@ -107,6 +118,10 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn next(&mut self) -> Result<Group<'a>, Unreadable> {
+        self.n_groups += 1;
+        if self.n_groups.is_multiple_of(GROUPS_BETWEEN_CHECKS) {
+            self.budget.check()?;
+        }
         match self.groups.next()? {
             Some(group) => Ok(group),
             None => Err(Unreadable::at(self.groups.place(), "the file ends within a section")),
@@ -174,7 +189,7 @@ impl<'a> Reader<'a, '_> {
             let (entities, end) = self.entities(start)?;
             expect(end, "ENDBLK")?;
             group = self.fields.read(end, &mut self.groups)?;
-            self.file.blocks.insert(name, Block { base: [x, y], entities, is_in_another_file });
+            self.file.blocks.insert(name, Definition { base: [x, y], entities, is_in_another_file });
         }
         Ok(())
     }

@@ -1,9 +1,9 @@
 //! Polylines in DXF: LWPOLYLINE with its vertices among its groups, and POLYLINE with VERTEX entities.
 
-use super::entity::{Content, Shape, is_flat, magnitude};
 use super::fields::Fields;
 use super::groups::Group;
 use super::reasons as because;
+use super::shape::{Content, Shape, is_flat, magnitude};
 use crate::fault::Unreadable;
 
 /// Bits of POLYLINE's flags.
@@ -24,10 +24,11 @@ pub fn light(fields: &Fields) -> Result<Content, Unreadable> {
     for group in &fields.groups {
         match group.code {
             10 => {
-                vertices.push([group.real()?, 0.0, 0.0]);
-                if lacks_y.replace(group.place).is_some() {
+                if lacks_y.is_some() {
                     break;
                 }
+                vertices.push([group.real()?, 0.0, 0.0]);
+                lacks_y = Some(group.place);
             }
             20 | 42 => {
                 let Some(vertex) = vertices.last_mut() else { return Err(without_vertex(group)) };

@@ -4,10 +4,13 @@ use nalgebra::Point2;
 use toolpathd_core::geometry::bspline::MAX_DEGREE;
 use toolpathd_core::geometry::plane_curve::nurbs::{Nurbs, SHORTEST_SPAN};
 
-use super::entity::{Content, Shape, is_flat, magnitude};
 use super::fields::Fields;
 use super::reasons as because;
+use super::shape::{Content, Shape, Tangents, is_flat, magnitude};
 use crate::fault::Unreadable;
+
+/// The bit of the flags of closed splines.
+const CLOSED: i64 = 1;
 
 /// Reads a SPLINE. Where it has control points, these give the curve, and its fit points are ignored. Knots
 /// nearer to each other than a part in 1e9 of the domain are rounded copies of one knot.
@@ -15,7 +18,7 @@ use crate::fault::Unreadable;
 /// # Errors
 /// When a group is broken, or there are fewer points, knots or weights than the entity states.
 pub fn read(fields: &Fields) -> Result<Content, Unreadable> {
-    let [control, fit] = [points(fields, 10)?, points(fields, 11)?];
+    let [control, fit] = [points_of(fields, 10)?, points_of(fields, 11)?];
     let [mut knots, weights] = [numbers(fields, 40)?, numbers(fields, 41)?];
     for (code, found, what) in
         [(72, knots.len(), "knots"), (73, control.len(), "control points"), (74, fit.len(), "fit points")]
@@ -27,7 +30,7 @@ pub fn read(fields: &Fields) -> Result<Content, Unreadable> {
         }
     }
     if control.is_empty() {
-        return Ok(through(fit));
+        return through(fields, fit);
     }
     let degree = usize::try_from(fields.integer(71)?).unwrap_or(0);
     if degree > MAX_DEGREE {
@@ -43,16 +46,36 @@ pub fn read(fields: &Fields) -> Result<Content, Unreadable> {
     Ok(Content::Curve(Shape::Nurbs(Box::new(Nurbs { degree, knots, control_points, weights }))))
 }
 
-fn through(fit: Vec<[f64; 3]>) -> Content {
+/// The curve through fit points. Tangents count if both are given.
+fn through(fields: &Fields, fit: Vec<[f64; 3]>) -> Result<Content, Unreadable> {
     let (mut points, is_flat) = in_plane(&fit);
     points.dedup();
-    if points.len() < 2 {
+    let is_closed = fields.integer(70)? & CLOSED != 0;
+    if let (true, [first, _, .., last]) = (is_closed, points.as_slice())
+        && first != last
+    {
+        points.push(*first);
+    }
+    let tangents = match (points.as_slice(), is_closed) {
+        ([first, _, _, .., last], _) if first == last => Tangents::Closed,
+        _ => match (points_of(fields, 12)?.first(), points_of(fields, 13)?.first()) {
+            (Some(start), Some(end)) if is_direction(start) && is_direction(end) => {
+                Tangents::Given([start, end].map(|v| [v[0], v[1]]))
+            }
+            _ => Tangents::Free,
+        },
+    };
+    Ok(if points.len() < 2 {
         Content::LeftOut(because::FEW_POINTS)
     } else if !is_flat {
         Content::LeftOut(because::NOT_FLAT)
     } else {
-        Content::Curve(Shape::Through(points))
-    }
+        Content::Curve(Shape::Through { points, tangents })
+    })
+}
+
+fn is_direction(v: &[f64; 3]) -> bool {
+    v[0] != 0.0 || v[1] != 0.0
 }
 
 /// x and y of points, and whether their heights are equal.
@@ -63,7 +86,7 @@ fn in_plane(points: &[[f64; 3]]) -> (Vec<[f64; 2]>, bool) {
 }
 
 /// The points whose x has this code.
-fn points(fields: &Fields, code: i32) -> Result<Vec<[f64; 3]>, Unreadable> {
+fn points_of(fields: &Fields, code: i32) -> Result<Vec<[f64; 3]>, Unreadable> {
     let mut points: Vec<[f64; 3]> = Vec::new();
     let mut lacks_y = None;
     for group in &fields.groups {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// The crates below the server, each with its folder. They are computations: they name no file, no socket, no
 /// terminal and no clock.
-const COMPUTING: &[&str] = &["core", "nc", "post", "plot"];
+const COMPUTING: &[&str] = &["core", "nc", "part", "post", "plot"];
 
 /// Words of the standard library that a crate of computations must not name. Its manifest tells which other
 /// libraries it may name.

@@ -59,7 +59,7 @@ pub struct DxfOptions {
     pub gap_mm: f64,
     /// How far arcs may lie from the splines and ellipses in whose place they are, mm.
     pub tolerance_mm: f64,
-    /// The unit, where the file states none.
+    /// The unit, in place of the one that the file states.
     pub unit: Option<Unit>,
     /// The most curves, and the most vertices of all curves.
     pub curve_limit: usize,
@@ -83,8 +83,8 @@ impl Default for DxfOptions {
 /// Reads a drawing.
 ///
 /// # Errors
-/// When the file breaks the format, has more than the limits allow, states another unit than the options, or
-/// has no curve on a layer that is asked for; and when the budget ends.
+/// When the file breaks the format, has more than the limits allow, or has no curve on a layer that is asked
+/// for; when it states a unit that is not known, and the options state none; and when the budget ends.
 pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawing, Unreadable> {
     if !(options.tolerance_mm > 0.0 && options.gap_mm >= 0.0) {
         let detail = format!(
@@ -94,21 +94,21 @@ pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawi
         return Err(Unreadable::at(Place::File, detail));
     }
     let file = file::read(bytes, budget)?;
-    let unit = unit(file.unit, options.unit)?;
-<<<<<<< HEAD
-    let drawer = Drawer { tolerance_mm: options.tolerance_mm, vertex_limit: options.vertex_limit, budget };
-=======
+    let stated = match file.unit.map(file::unit).transpose() {
+        Ok(stated) => stated.flatten(),
+        Err(_) if options.unit.is_some() => None,
+        Err(fault) => return Err(fault),
+    };
     let drafting =
         Drafting { tolerance_mm: options.tolerance_mm, vertex_limit: options.vertex_limit, budget };
->>>>>>> dxf40
-    let scale = unit.map_or(1.0, Unit::mm);
+    let scale = options.unit.or(stated).map_or(1.0, Unit::mm);
     let drawn = blocks::draw(file, options, scale, &drafting)?;
     let names: Vec<&str> = drawn.layers.iter().map(|layer| layer.name.as_str()).collect();
     check_layers(&drawn.layers, options)?;
     let limits = Limits { gap_mm: options.gap_mm, budget };
     let assembly = assemble(drawn.curves, &names, drawn.left_out, limits)?;
     Ok(Drawing {
-        unit,
+        unit: stated,
         loops: assembly.loops,
         open: assembly.open,
         branches: assembly.branches,
@@ -117,21 +117,6 @@ pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawi
         deviation_max_mm: drawn.deviation_max_mm,
         layers: drawn.layers,
     })
-}
-
-fn unit(stated: Option<Unit>, asked: Option<Unit>) -> Result<Option<Unit>, Unreadable> {
-    match (stated, asked) {
-        (Some(stated), Some(asked)) if stated != asked => {
-            let name = |unit: Unit| format!("{unit:?}").to_lowercase();
-            let detail = format!(
-                "the file states the unit {} and the job {}; leave the unit of the job out, or give that of the file",
-                name(stated),
-                name(asked)
-            );
-            Err(Unreadable::at(Place::File, detail))
-        }
-        (stated, asked) => Ok(stated.or(asked)),
-    }
 }
 
 /// Refuses a layer that is asked for and holds no curve: its name is most likely misspelt.

@@ -38,16 +38,12 @@ pub struct DrawnFile {
 
 /// # Errors
 /// When there are too many curves, vertices or copies, blocks are too deep in each other, or the budget ends.
-<<<<<<< HEAD
-pub fn draw(file: File, options: &DxfOptions, scale: f64, drawer: &Drawer) -> Result<DrawnFile, Unreadable> {
-=======
 pub fn draw(
     file: File,
     options: &DxfOptions,
     scale: f64,
     drafting: &Drafting,
 ) -> Result<DrawnFile, Unreadable> {
->>>>>>> dxf40
     let asked = options.layers.as_ref().map(|names| names.iter().map(|name| key(name)).collect());
     let mut space = ModelSpace {
         blocks: &file.blocks,

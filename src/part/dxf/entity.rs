@@ -19,67 +19,6 @@ pub struct Entity {
     pub content: Content,
 }
 
-<<<<<<< HEAD
-#[derive(Debug, Clone, PartialEq)]
-pub enum Content {
-    Curve(Shape),
-    Insert(Box<Insert>),
-    /// The reason.
-    LeftOut(&'static str),
-}
-
-/// A curve in the plane, in the lengths of the file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
-    Line([[f64; 2]; 2]),
-    Circle {
-        center: [f64; 2],
-        radius: f64,
-        is_mirrored: bool,
-    },
-    /// Counterclockwise from `start` to `end`, degrees, before it is mirrored.
-    Arc {
-        center: [f64; 2],
-        radius: f64,
-        start: f64,
-        end: f64,
-        is_mirrored: bool,
-    },
-    /// The points center + cos t major + sin t minor, for t from `start` to `end`, radians.
-    Ellipse {
-        center: [f64; 2],
-        major: [f64; 2],
-        minor: [f64; 2],
-        start: f64,
-        end: f64,
-    },
-    /// x, y and the bulge to the next vertex.
-    Polyline {
-        vertices: Vec<[f64; 3]>,
-        is_closed: bool,
-    },
-    Nurbs(Box<Nurbs>),
-    /// A smooth curve through points.
-    Through(Vec<[f64; 2]>),
-}
-
-/// A block that is placed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Insert {
-    /// The key of the block's name.
-    pub block: String,
-    pub at: [f64; 2],
-    pub scale: [f64; 2],
-    pub degrees: f64,
-    /// Columns and rows.
-    pub counts: [u32; 2],
-    /// The distances of the columns and of the rows.
-    pub distances: [f64; 2],
-    pub is_mirrored: bool,
-}
-
-=======
->>>>>>> dxf40
 /// Reads an entity that consists of its own groups alone.
 ///
 /// # Errors

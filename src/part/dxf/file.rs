@@ -26,8 +26,8 @@ const IN_ANOTHER_FILE: i64 = 4 | 32;
 
 /// What a file holds.
 #[derive(Debug, Default)]
-pub struct File {
-    pub unit: Option<Unit>,
+pub struct File<'a> {
+    pub unit: Option<Group<'a>>,
     /// By the keys of their names: why a layer is hidden.
     pub hidden: HashMap<String, &'static str>,
     /// By the keys of their names.
@@ -51,12 +51,12 @@ struct Reader<'a, 'b> {
     budget: &'b Budget,
     n_groups: usize,
     n_entities: usize,
-    file: File,
+    file: File<'a>,
 }
 
 /// # Errors
 /// When the file is not whole, a group is broken, or the budget ends.
-pub fn read(bytes: &[u8], budget: &Budget) -> Result<File, Unreadable> {
+pub fn read<'a>(bytes: &'a [u8], budget: &Budget) -> Result<File<'a>, Unreadable> {
     let groups = Groups::new(bytes);
     let mut reader = Reader {
         groups,
@@ -149,8 +149,7 @@ impl<'a> Reader<'a, '_> {
                 return Ok(());
             }
             if group.is(9, "$INSUNITS") {
-                let value = self.next()?;
-                self.file.unit = unit(&value)?;
+                self.file.unit = Some(self.next()?);
             }
         }
     }
@@ -248,7 +247,7 @@ fn expect(group: Group, word: &str) -> Result<(), Unreadable> {
 }
 
 /// The unit of $INSUNITS; `None` for 0, which is no unit.
-fn unit(value: &Group) -> Result<Option<Unit>, Unreadable> {
+pub fn unit(value: Group) -> Result<Option<Unit>, Unreadable> {
     Ok(Some(match value.integer()? {
         0 => return Ok(None),
         1 => Unit::Inch,

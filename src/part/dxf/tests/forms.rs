@@ -104,10 +104,10 @@ fn the_unit_is_that_of_the_file_or_of_the_options() {
     assert_eq!(area(&stated(4), None), Ok((Some(Unit::Millimetre), 1.0)));
     assert_eq!(area(&stated(2), Some(Unit::Foot)), Ok((Some(Unit::Foot), 304.8 * 304.8)));
     assert_eq!(area(&stated(0), None), Ok((None, 1.0)));
-    assert_eq!(area("", Some(Unit::Centimetre)), Ok((Some(Unit::Centimetre), 100.0)));
-    let differ = "the file: the file states the unit inch and the job millimetre; leave the unit of the job \
-                  out, or give that of the file";
-    assert_eq!(area(&stated(1), Some(Unit::Millimetre)), Err(differ.to_owned()));
+    assert_eq!(area("", Some(Unit::Centimetre)), Ok((None, 100.0)));
+    // The caller's word counts, and the file's stays known.
+    assert_eq!(area(&stated(1), Some(Unit::Millimetre)), Ok((Some(Unit::Inch), 1.0)));
+    assert_eq!(area(&stated(3), Some(Unit::Centimetre)), Ok((None, 100.0)));
     let miles =
         "line 8: the unit 3 of $INSUNITS is not supported; use mm, cm, m, micrometres, inches or feet";
     assert_eq!(area(&stated(3), None), Err(miles.to_owned()));

@@ -16,8 +16,8 @@ use super::unit::Unit;
 /// A drawing that was read. Lengths are in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// The unit that the file states. Where neither the file nor the caller states one, all lengths are in the
-    /// unknown unit of the file.
+    /// The unit that the file states. Where neither the file nor the caller states one, all lengths are in
+    /// the unknown unit of the file.
     pub unit: Option<Unit>,
     /// All layers that hold curves, in the order of their first curve, also those that were not asked for.
     pub layers: Vec<Layer>,

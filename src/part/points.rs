@@ -22,7 +22,7 @@ use header::Header;
 pub use writing::Writing;
 
 /// Lines between two looks at the budget.
-const LINES_PER_CHECK: usize = 4096;
+const LINES_PER_CHECK: u32 = 4096;
 
 /// The most columns.
 const MOST_COLUMNS: usize = 64;
@@ -62,7 +62,7 @@ pub fn read(bytes: &[u8], limit: usize, budget: &Budget) -> Result<PointText, Un
             break (line, number);
         }
         header.add(line);
-        if number as usize % LINES_PER_CHECK == 0 {
+        if number.is_multiple_of(LINES_PER_CHECK) {
             budget.check()?;
         }
     };
@@ -77,7 +77,7 @@ pub fn read(bytes: &[u8], limit: usize, budget: &Budget) -> Result<PointText, Un
     rows.add(first, number)?;
     for (line, number) in lines {
         rows.add(line, number)?;
-        if number as usize % LINES_PER_CHECK == 0 {
+        if number.is_multiple_of(LINES_PER_CHECK) {
             budget.check()?;
         }
     }

@@ -50,7 +50,7 @@ impl Writing {
         {
             return Err("a number is missing: leave the line out".to_owned());
         }
-        let not_read = || format!("`{}` is no number", word.chars().take(40).collect::<String>());
+        let not_read = || format!("\"{}\" is no number", word.chars().take(40).collect::<String>());
         // Names such as `inf` are numbers for Rust.
         if !word.bytes().all(|byte| byte.is_ascii_digit() || b"+-.,eEdD".contains(&byte)) {
             return Err(not_read());

@@ -140,8 +140,8 @@ impl Contract {
         })
     }
 
-    /// The objects among the choices for a value, where there are several, and the kinds by which they are told
-    /// apart. One of them may have no kind.
+    /// The objects among the choices for a value, where there are several, and the kinds by which they are
+    /// told apart. One of them may have no kind.
     fn objects<'a>(&'a self, asked: &Asked<'a>) -> Vec<(Option<&'a str>, Asked<'a>)> {
         // Only references to named schemas are several objects.
         if asked.choices.iter().filter(|choice| matches!(choice, RefOr::Ref(_))).count() < 2 {

@@ -9,6 +9,7 @@ use crate::http::error::FieldCode;
 use crate::http::messages::{WarningCode, left_out};
 use crate::http::pointer::Pointer;
 use toolpathd_part::fault::Unreadable;
+use toolpathd_part::format::Format;
 use toolpathd_part::left_out::LeftOut;
 use toolpathd_part::unit::Unit;
 
@@ -124,5 +125,15 @@ pub fn words(unit: Unit) -> &'static str {
         Unit::Metre => "metres",
         Unit::Inch => "inches",
         Unit::Foot => "feet",
+    }
+}
+
+/// A format in words.
+pub fn format_name(format: Format) -> &'static str {
+    match format {
+        Format::Dxf => "DXF",
+        Format::Points => "a text of points",
+        Format::Step => "STEP",
+        Format::Other(name) => name,
     }
 }

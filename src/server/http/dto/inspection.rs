@@ -276,7 +276,7 @@ impl From<&Loop> for LoopReport {
             bulge => LoopVertex::Bulging([x, y, bulge]),
         };
         Self {
-            kind: if own.depth % 2 == 0 { LoopKind::Wall } else { LoopKind::Island },
+            kind: if own.depth.is_multiple_of(2) { LoopKind::Wall } else { LoopKind::Island },
             layer: own.layer.clone(),
             depth: own.depth,
             parent: own.parent,

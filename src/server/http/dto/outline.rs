@@ -24,7 +24,7 @@ use crate::http::decode::tagged;
 use crate::http::error::FieldCode;
 use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
-pub use file::{CURVE_TOLERANCE_MM, CURVE_TOLERANCES, GAP_MM, GAPS, RegionFile, format_name};
+pub use file::{CURVE_TOLERANCE_MM, CURVE_TOLERANCES, GAP_MM, GAPS, RegionFile};
 pub use open::OpenEdges;
 use toolpathd_core::geometry::profile::Shape;
 use toolpathd_core::geometry::segment::Segment;

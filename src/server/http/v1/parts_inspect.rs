@@ -7,11 +7,11 @@ use nalgebra::Point3;
 use crate::http::answer::model::{PART_CHORD_MM, Solids};
 use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
+use crate::http::dto::file::format_name;
 use crate::http::dto::inspection::{
     DrawingReport, FileBox, FileFormat, InspectReport, InspectRequest, Inspection, LeftOutReport,
     PointsReport,
 };
-use crate::http::dto::outline::format_name;
 use crate::http::error::{ApiError, FieldCode, FieldError};
 use crate::http::messages::{Warning, WarningCode, no_grid};
 use crate::http::pointer::Pointer;

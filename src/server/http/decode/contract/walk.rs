@@ -1,16 +1,16 @@
 //! The walk over the text of one body.
 
+mod objects;
+
 use std::fmt;
 
 use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 use serde_json::{Map, Number, Value};
-use utoipa::openapi::schema::{
-    AdditionalProperties, Array, Discriminator, Object, OneOf, Schema, SchemaType, Type,
-};
+use utoipa::openapi::schema::{AdditionalProperties, Array, Object, OneOf, Schema, SchemaType, Type};
 
-use super::outline::{outline, tag_of, type_of_value};
+use super::outline::{outline, type_of_value};
 use super::written::Written;
 use super::{Asked, Checked, Contract, items, range, tuple, type_of};
 use crate::http::decode::check::{Violations, fault_of_number};
@@ -21,17 +21,11 @@ use crate::http::decode::words;
 use crate::http::error::{FieldCode, FieldError};
 use toolpathd_core::budget::Budget;
 
-/// The member that tells objects apart.
-const KIND: &str = "kind";
-
 /// Whole numbers from here on may not be exact in floating point (2^53 is about 9.007e15).
 const LARGEST_WHOLE: f64 = 9e15;
 
 /// The schema of names of dialects. An unknown dialect has a code of its own.
 const DIALECTS: &str = "DialectName";
-
-/// The union, and its kinds that reports count and this version cannot read yet.
-const PLANNED: (&str, &[&str]) = ("SentMove", &["spline"]);
 
 /// What the decoder always refuses. Other violations may be left to the rules of the request.
 const REFUSED: [FieldCode; 5] = [
@@ -217,68 +211,6 @@ impl<'c> Walk<'c> {
             self.missing(&Path::Member(at, name), name);
         }
         Ok(())
-    }
-
-    /// An object that is one of several, of which one at most has no member `kind`.
-    fn choice(
-        &mut self,
-        at: &Path,
-        objects: &[(Option<&'c str>, Asked<'c>)],
-        sent: &RawValue,
-    ) -> serde_json::Result<()> {
-        let tag = tag_of(sent, KIND)?.filter(|tag| !tag.is_null());
-        let kind = tag.as_ref().and_then(Value::as_str);
-        match objects.iter().find(|(own, _)| *own == kind && (kind.is_some() || tag.is_none())) {
-            Some((_, asked)) => {
-                let mut reader = serde_json::Deserializer::from_str(sent.get());
-                let check = ValueCheck { walk: self, at, asked: *asked, is_member: false };
-                check.deserialize(&mut reader).map(|_| ())
-            }
-            None => {
-                let names: Vec<&str> = objects.iter().filter_map(|(kind, _)| *kind).collect();
-                let sent_kind = tag.unwrap_or_default();
-                self.blame(&Path::Member(at, KIND), FieldCode::UnknownValue, || match sent_kind.as_str() {
-                    Some(kind) => words::unknown(kind, &names),
-                    None => words::wrong(&words::one_of(&names), &sent_kind),
-                });
-                Unchecked(self).deserialize(&mut serde_json::Deserializer::from_str(sent.get()))
-            }
-        }
-    }
-
-    /// An object whose member `kind` says which other members the object has.
-    fn union(
-        &mut self,
-        at: &Path,
-        name: &str,
-        kinds: &'c Discriminator,
-        sent: &RawValue,
-    ) -> serde_json::Result<()> {
-        let tag = kinds.property_name.as_str();
-        let at_tag = Path::Member(at, tag);
-        let names = || kinds.mapping.keys().map(String::as_str).collect::<Vec<_>>();
-        match tag_of(sent, tag)? {
-            None | Some(Value::Null) => self.missing(&at_tag, tag),
-            Some(Value::String(kind)) => match kinds.mapping.get(&kind) {
-                Some(target) => {
-                    let asked = Asked { usual: self.contract.at(target), choices: &[] };
-                    let mut reader = serde_json::Deserializer::from_str(sent.get());
-                    let check = ValueCheck { walk: self, at, asked, is_member: false };
-                    return check.deserialize(&mut reader).map(|_| ());
-                }
-                None if name == PLANNED.0 && PLANNED.1.contains(&kind.as_str()) => {
-                    self.blame(&at_tag, FieldCode::Unsupported, || {
-                        format!("`{kind}` is not supported yet; use {}", words::one_of(&names()))
-                    });
-                }
-                None => self.blame(&at_tag, FieldCode::UnknownValue, || words::unknown(&kind, &names())),
-            },
-            Some(other) => {
-                self.blame(&at_tag, FieldCode::WrongType, || words::wrong(&words::one_of(&names()), &other));
-            }
-        }
-        // Of an object without a known kind nothing else can be checked.
-        Unchecked(self).deserialize(&mut serde_json::Deserializer::from_str(sent.get()))
     }
 }
 

@@ -7,7 +7,7 @@ use super::{Outline, Vertex, WalledRegion};
 use crate::http::decode::files::FileReading;
 use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Range;
-use crate::http::dto::file::{FileUnits, Reference};
+use crate::http::dto::file::{FileUnits, Reference, format_name};
 use crate::http::error::FieldCode;
 use crate::http::messages::WarningCode;
 use crate::http::pointer::Pointer;
@@ -130,7 +130,7 @@ impl RegionFile {
             reading.violations.add(&at.field("wall"), FieldCode::OutOfRange, detail);
             return None;
         }
-        let walls: Vec<usize> = (0..loops.len()).filter(|k| loops[*k].depth % 2 == 0).collect();
+        let walls: Vec<usize> = (0..loops.len()).filter(|k| loops[*k].depth.is_multiple_of(2)).collect();
         if walls.is_empty() {
             self.reference(at).blame(FieldCode::UnreadableFile, &self.nothing(drawing), reading);
             return None;
@@ -208,16 +208,6 @@ impl RegionFile {
             );
             reading.warn(at, WarningCode::LoopsNested, detail);
         }
-    }
-}
-
-/// A format in words.
-pub fn format_name(format: Format) -> &'static str {
-    match format {
-        Format::Dxf => "DXF",
-        Format::Points => "a text of points",
-        Format::Step => "STEP",
-        Format::Other(name) => name,
     }
 }
 

@@ -19,10 +19,8 @@ const FLOAT = 5126;
  * @typedef {{ name?: string, mesh?: number, children?: number[], translation?: number[], extras?: Record<string, unknown> }} Node
  * @typedef {{ nodes: Node[], scenes: { nodes: number[] }[], meshes?: { primitives: Primitive[] }[],
  *   accessors?: Accessor[], bufferViews?: BufferView[] }} Description
- * @typedef {PathData & { deviations: Float32Array | null }} ModelPath  the deviation of the stretch that ends at each
- *   vertex, mm, NaN where it is not known; null where none is known
  * @typedef {object} Model
- * @property {ModelPath | null} path
+ * @property {PathData | null} path
  * @property {Map<string, MeshData>} solids by the names of their nodes
  * @property {boolean} isStockAssumed whether the service chose the size of the stock
  * @property {Diagram[]} diagrams
@@ -109,7 +107,7 @@ export function readModel(file) {
   const reader = new Reader(file);
   /** @type {Map<string, MeshData>} */
   const solids = new Map();
-  /** @type {ModelPath | null} */
+  /** @type {PathData | null} */
   let path = null;
   for (const node of reader.children) {
     const primitive = reader.primitive(node);
@@ -137,7 +135,7 @@ function solid(reader, primitive, isFree) {
   return { positions, normals, indices: reader.indices(primitive.indices).slice() };
 }
 
-/** @param {Reader} reader @param {Node} node @returns {ModelPath | null} */
+/** @param {Reader} reader @param {Node} node @returns {PathData | null} */
 function readPath(reader, node) {
   const passes = (node.children ?? []).map((k) => reader.node(k));
   const count = passes.reduce((sum, pass) => sum + vertices(reader, pass), 0);

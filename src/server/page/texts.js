@@ -114,7 +114,7 @@ export const TEXTS = {
   perspective: "Perspective",
   material: "Material",
   colorBy: "Colour by",
-  colors: { kind: "kind of move", feed: "feed", level: "level", pass: "pass" },
+  colors: { kind: "kind of move", feed: "feed", deviation: "deviation", level: "level", pass: "pass" },
   assumedStock: "the request states no stock, so its size is assumed",
   obstacles: {
     part: "the answer has no part",
@@ -202,6 +202,7 @@ export const FORM_TEXTS = {
   mapValue: "Text",
   nameTwice: "Another entry has this name already. Choose another name.",
   kind: "Kind",
+  untagged: "in the request",
   /** @type {Record<string, string>} */
   shapes: {
     number: "a number", integer: "a whole number", text: "a text", points: "a table of points", numbers: "numbers",
@@ -266,6 +267,7 @@ export const VIEW_TEXTS = {
     lead_out: "Lead-out", dwell: "Dwell", turn: "Turn of a rotary axis",
   }),
   feed: "Feed", feedUnit: "mm/min", noFeed: "Rapid or no feed told",
+  deviation: "Deviation, at most", deviationUnit: "mm", noDeviation: "Deviation not known",
   level: "Level", noLevel: "Without level",
   pass: "Pass", noPass: "Without pass",
   left: "Left on the part", leftUnit: "mm", gouged: "Cut into the part",

@@ -68,6 +68,7 @@ function colorings(path) {
   const strips = path?.strips ?? [];
   return [
     "kind", "feed",
+    ...(path?.deviations ? /** @type {const} */ (["deviation"]) : []),
     ...(strips.some(({ level }) => level !== null) ? /** @type {const} */ (["level"]) : []),
     ...(strips.length > 1 ? /** @type {const} */ (["pass"]) : []),
   ];

@@ -15,6 +15,7 @@ import { isObject } from "./value.js";
 /**
  * @typedef {object} Shape  one of the forms of a variant
  * @property {string} name  the value of the member `tag`, or the kind of value
+ * @property {boolean} isTagged  whether the member `tag` names the shape
  * @property {string} label
  * @property {() => Field} field
  */
@@ -195,10 +196,13 @@ function variantOf(resolve, schema, outer) {
       const inner = fieldOf(resolve, one, outer.name, outer.required, outer.label);
       return { ...inner, unit: inner.unit || (isNumeric(inner) ? outer.unit : "") };
     });
-    if (value !== undefined) return { name: String(value), label: labelOf(String(value)), field };
+    if (value !== undefined) {
+      return { name: String(value), label: labelOf(String(value)), isTagged: true, field };
+    }
+    if (tag) return { name: TEXTS.untagged, label: TEXTS.untagged, isTagged: false, field };
     const { kind, choices } = field();
     const only = kind === "choice" && choices.length === 1 ? choices[0]?.label : undefined;
-    return { name: only ?? kind, label: only ?? TEXTS.shapes[kind] ?? kind, field };
+    return { name: only ?? kind, label: only ?? TEXTS.shapes[kind] ?? kind, isTagged: false, field };
   }));
   return { kind: "variant", tag, shapes };
 }
@@ -214,13 +218,17 @@ function isNumeric({ kind }) {
 /**
  * @param {Resolve} resolve
  * @param {Schema[]} schemas
- * @returns {string}  the member that has another fixed value in each schema; empty where there is none
+ * @returns {string}  the member that has another fixed value in each schema, of which one may lack the member; empty
+ *   where there is none
  */
 function tagOf(resolve, schemas) {
-  const first = unwrapped(resolve, schemas[0] ?? {}).schema;
-  return Object.keys(first.properties ?? {}).find((name) => {
-    const values = schemas.map((one) => tagValue(resolve, one, name));
-    return !values.includes(undefined) && new Set(values).size === schemas.length;
+  const members = schemas.map((one) => Object.keys(unwrapped(resolve, one).schema.properties ?? {}));
+  if (members.some((names) => names.length === 0)) return "";
+  return members.flat().find((name) => {
+    const having = schemas.filter((_, at) => members[at]?.includes(name));
+    const values = having.map((one) => tagValue(resolve, one, name));
+    return having.length >= Math.max(1, schemas.length - 1)
+      && !values.includes(undefined) && new Set(values).size === having.length;
   }) ?? "";
 }
 

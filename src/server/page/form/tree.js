@@ -93,7 +93,11 @@ export function shownAs(field, value) {
  */
 export function shapeOf(field, value) {
   const shapes = field.shapes();
-  if (field.tag) return shapes.find((shape) => shape.name === valueAt(value, [field.tag]));
+  if (field.tag) {
+    if (!isObject(value)) return undefined;
+    const tag = valueAt(value, [field.tag]);
+    return shapes.find(({ name, isTagged }) => (isTagged ? name === tag : tag === undefined));
+  }
   return shapes.find((shape) => isOfKind(shape.field(), value));
 }
 

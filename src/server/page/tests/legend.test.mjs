@@ -32,6 +32,16 @@ test("only kinds that are seen are counted: moves with a length, and pauses as p
   assert.equal(paint(path, marks, "feed").unknown, true);
 });
 
+test("a path is coloured by the deviations that are known", () => {
+  const path = pathThrough([[0, 0, 0], [3, 0, 0], [6, 0, 0], [9, 0, 0]], { kinds: ["rapid", "cut", "cut", "cut"].map(kind) });
+  const marks = marksOf(path);
+  path.deviations = new Float32Array([NaN, 0, 0.004, NaN]);
+  const { known, unknown, from, to } = paint(path, marks, "deviation");
+  assert.deepEqual([known, unknown, from, Math.fround(0.004)], [true, true, 0, to]);
+  path.deviations = null;
+  assert.equal(paint(path, marks, "deviation").known, false);
+});
+
 test("a scene is elsewhere where it moves by half of its size, or is much larger or smaller", () => {
   const box = (x, size) => ({ min: [x, 0, 0], max: [x + size, size, size] });
   assert.ok(!isElsewhere(box(0, 10), box(0, 10)));

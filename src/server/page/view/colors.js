@@ -53,17 +53,22 @@ export function colorTable(by) {
 export function paint(path, marks, by) {
   const n = vertexCount(path);
   if (by === "level" || by === "pass") return paintStrips(path, marks, n, by);
-  if (by === "feed") return paintFeeds(path, marks, n);
+  if (by === "feed") return paintValues(path, marks, path.feeds, by);
+  if (by === "deviation") return paintValues(path, marks, path.deviations ?? new Float32Array(0), by);
   for (let i = 0; i < n; i++) marks[MARK * i + 1] = at(marks, MARK * i);
   return { by, from: 0, to: 0, known: true, unknown: false, levels: [] };
 }
 
-/** @param {PathData} path @param {Uint8Array} marks @param {number} n @returns {Coloring} */
-function paintFeeds({ feeds, positions }, marks, n) {
-  const isKnown = (/** @type {number} */ x) => x > 0 && x < Infinity;
+/** Colours by values of the vertices: a feed of 0 is none, a deviation of 0 is exact.
+ * @param {PathData} path @param {Uint8Array} marks @param {Float32Array} values @param {"feed"|"deviation"} by
+ * @returns {Coloring} */
+function paintValues(path, marks, values, by) {
+  const { positions } = path;
+  const n = vertexCount(path);
+  const isKnown = (/** @type {number} */ x) => (by === "feed" ? x > 0 : x >= 0) && x < Infinity;
   let [from, to, unknown] = [Infinity, -Infinity, false];
   for (let i = 0; i < n; i++) {
-    const x = feeds[i] ?? NaN;
+    const x = values[i] ?? NaN;
     if (!isKnown(x)) unknown ||= isSeen(positions, marks, i);
     else [from, to] = [x < from ? x : from, x > to ? x : to];
   }
@@ -71,10 +76,10 @@ function paintFeeds({ feeds, positions }, marks, n) {
   if (!known) [from, to] = [0, 0];
   const factor = to > from ? 254 / (to - from) : 0;
   for (let i = 0; i < n; i++) {
-    const x = feeds[i] ?? NaN;
+    const x = values[i] ?? NaN;
     marks[MARK * i + 1] = isKnown(x) ? 1 + Math.round(factor ? (x - from) * factor : 127) : 0;
   }
-  return { by: "feed", from, to, known, unknown, levels: [] };
+  return { by, from, to, known, unknown, levels: [] };
 }
 
 /** @param {PathData} path @param {Uint8Array} marks @param {number} n @param {"level"|"pass"} by
@@ -118,7 +123,7 @@ export function legendRows(coloring, counts, isVisible) {
 function meanings(coloring) {
   const { by, from, to, levels } = coloring;
   if (by === "kind") return [];
-  const unknown = { feed: TEXTS.noFeed, level: TEXTS.noLevel, pass: TEXTS.noPass }[by];
+  const unknown = { feed: TEXTS.noFeed, deviation: TEXTS.noDeviation, level: TEXTS.noLevel, pass: TEXTS.noPass }[by];
   const rest = coloring.unknown ? [row({ label: unknown, colors: [UNKNOWN] })] : [];
   if ((by === "level" || by === "pass") && levels.length <= NAMED_LEVELS) {
     return [...levels.map((level, i) => row({
@@ -126,7 +131,7 @@ function meanings(coloring) {
       colors: [hex(between(RAMP, (levelEntry(i, levels.length) - 1) / 254))],
     })), ...rest];
   }
-  const unit = by === "feed" ? TEXTS.feedUnit : "";
+  const unit = by === "feed" ? TEXTS.feedUnit : by === "deviation" ? TEXTS.deviationUnit : "";
   const ramp = row({ type: "ramp", label: TEXTS[by], colors: RAMP, from, to, unit });
   return coloring.known ? [ramp, ...rest] : rest;
 }

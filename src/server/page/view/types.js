@@ -14,6 +14,8 @@ export const KINDS = Object.freeze(
  *  @property {Float32Array} times       n, seconds from the program's start when the tip is at the vertex
  *  @property {Uint8Array} kinds         n, kind of the stretch that ends at the vertex: index into KINDS
  *  @property {Float32Array} feeds       n, mm/min (0: rapid)
+ *  @property {Float32Array|null} deviations  n, proved deviation of the stretch that ends at the vertex, mm, NaN where
+ *    it is not known; null where none is known
  *  @property {Uint32Array} blocks       n, line of the NC text whose block ends here or later; 0: unknown
  *  @property {Float32Array|null} axes   3n tool axis, null for always +z
  *  @property {Strip[]} strips           connected line strips */
@@ -37,7 +39,7 @@ export const KINDS = Object.freeze(
 /** A stretch under the cursor; `point` lies on the stretch.
  *  @typedef {{block: number, kind: string, feed: number, time: number, point: Vec3}} Hit */
 
-/** @typedef {"kind"|"feed"|"level"|"pass"} ColorBy */
+/** @typedef {"kind"|"feed"|"deviation"|"level"|"pass"} ColorBy */
 
 /** A row of the legend: a swatch (one colour, or none) or a ramp (`from` to `to`, in `unit`).
  *  `key` is the name that `View.setVisible` takes, or null where nothing can be switched.

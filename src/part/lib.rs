@@ -11,4 +11,5 @@ pub mod dxf;
 pub mod fault;
 pub mod left_out;
 pub mod points;
+pub mod step;
 pub mod unit;

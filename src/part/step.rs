@@ -58,7 +58,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Point3;
 use toolpathd_core::budget::Budget;
 
-use self::bodies::{MOST_FACES, Shells, shells};
+use self::bodies::{MOST_FACES, SHAPES, Shells, shells};
 use self::frame::Similarity;
 use self::index::Index;
 use self::instance::Source;
@@ -68,15 +68,6 @@ use self::representation::{PlacedItem, placed_items};
 use self::units::Units;
 use super::fault::{Place, Unreadable};
 use super::left_out::LeftOuts;
-
-/// Roots of shapes that are read even if no representation has them.
-const SHAPES: [&str; 5] = [
-    "MANIFOLD_SOLID_BREP",
-    "BREP_WITH_VOIDS",
-    "FACETED_BREP",
-    "SHELL_BASED_SURFACE_MODEL",
-    "FACE_BASED_SURFACE_MODEL",
-];
 
 /// A face in a scale: its number, and the bits of the mm in its unit.
 type Key = (u32, u64);

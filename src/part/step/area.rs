@@ -10,7 +10,7 @@
 
 use super::gauss::{adaptive, once};
 use super::model::Edge;
-use super::piece::{Piece, Sampler, Sample};
+use super::piece::{Piece, Sample, Sampler};
 use super::spline_surface::{SplineSurface, newton_step};
 use super::surface::Surface;
 use super::trim::Trim;
@@ -38,7 +38,7 @@ pub fn trimmed(sampler: &Sampler, trim: &Trim, edges: &[Edge], size_mm: f64) -> 
                 });
             }
             Piece::Curve { edge, samples } => {
-                for pair in samples.windows(2) {
+                for pair in samples.windows(2).filter(|pair| pair[0].t != pair[1].t) {
                     sum += adaptive(pair[0].t, pair[1].t, tolerance, &mut |t| {
                         along(sampler, &edges[*edge], [&pair[0], &pair[1]], t, start)
                     });

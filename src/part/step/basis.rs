@@ -34,7 +34,12 @@ pub fn span(degree: usize, knots: &[f64], t: f64) -> usize {
 }
 
 /// The values and the first derivatives of the degree + 1 basis functions that act in the span `i`.
-pub fn functions(degree: usize, knots: &[f64], i: usize, t: f64) -> ([f64; MAX_DEGREE + 1], [f64; MAX_DEGREE + 1]) {
+pub fn functions(
+    degree: usize,
+    knots: &[f64],
+    i: usize,
+    t: f64,
+) -> ([f64; MAX_DEGREE + 1], [f64; MAX_DEGREE + 1]) {
     let mut values = [0.0; MAX_DEGREE + 1];
     let mut slopes = [0.0; MAX_DEGREE + 1];
     values[0] = 1.0;
@@ -85,12 +90,7 @@ pub fn part(
 }
 
 /// Inserts the knot `t` until it occurs at least degree times.
-fn insert(
-    degree: usize,
-    knots: &[f64],
-    points: &[Vector4<f64>],
-    t: f64,
-) -> (Vec<f64>, Vec<Vector4<f64>>) {
+fn insert(degree: usize, knots: &[f64], points: &[Vector4<f64>], t: f64) -> (Vec<f64>, Vec<Vector4<f64>>) {
     let (mut knots, mut points) = (knots.to_vec(), points.to_vec());
     let occurs = knots.iter().filter(|knot| **knot == t).count();
     for multiplicity in occurs..degree {

@@ -6,6 +6,15 @@ use super::refusal::Refusal;
 /// The most faces of a file, with all copies.
 pub const MOST_FACES: usize = 200_000;
 
+/// Names of bodies, which are read even if no representation has them.
+pub const SHAPES: [&str; 5] = [
+    "MANIFOLD_SOLID_BREP",
+    "BREP_WITH_VOIDS",
+    "FACETED_BREP",
+    "SHELL_BASED_SURFACE_MODEL",
+    "FACE_BASED_SURFACE_MODEL",
+];
+
 /// The faces of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shells {

@@ -18,15 +18,30 @@ const NEWTON_STEPS: usize = 30;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Curve {
     /// `origin + t along`, with `along` of unit length.
-    Line { origin: Point3<f64>, along: Vector3<f64> },
+    Line {
+        origin: Point3<f64>,
+        along: Vector3<f64>,
+    },
     /// `origin + radius (cos t x + sin t y)`.
-    Circle { frame: Frame, radius_mm: f64 },
+    Circle {
+        frame: Frame,
+        radius_mm: f64,
+    },
     /// `origin + a cos t x + b sin t y`.
-    Ellipse { frame: Frame, semi_axes_mm: [f64; 2] },
+    Ellipse {
+        frame: Frame,
+        semi_axes_mm: [f64; 2],
+    },
     /// `origin + a cosh t x + b sinh t y`.
-    Hyperbola { frame: Frame, semi_axes_mm: [f64; 2] },
+    Hyperbola {
+        frame: Frame,
+        semi_axes_mm: [f64; 2],
+    },
     /// `origin + f t^2 x + 2 f t y`.
-    Parabola { frame: Frame, focal_mm: f64 },
+    Parabola {
+        frame: Frame,
+        focal_mm: f64,
+    },
     Spline(SplineCurve),
     /// At least 2 points, mm; `t` counts segments.
     Polyline(Vec<Point3<f64>>),
@@ -123,7 +138,9 @@ impl Curve {
         };
         let mut breaks = vec![from];
         let shifted = turns.iter().flat_map(|turn| all.iter().map(move |t| t + turn));
-        breaks.extend(shifted.filter(|t| *t > from && *t < to));
+        // A break beside an end would make a span without length.
+        let least = 1e-12 * (to - from).max(to.abs());
+        breaks.extend(shifted.filter(|t| *t > from + least && *t < to - least));
         breaks.push(to);
         breaks.dedup();
         breaks
@@ -143,9 +160,9 @@ impl Curve {
             }
             Self::Hyperbola { frame, semi_axes_mm: [_, b] } => (frame.local(point).y / b).asinh(),
             Self::Parabola { frame, focal_mm } => frame.local(point).y / (2.0 * focal_mm),
-            Self::Spline(_) | Self::Polyline(_) => self.nearest_of(|p| (p - point).norm_squared(), |t| {
-                self.newton(point, t)
-            }),
+            Self::Spline(_) | Self::Polyline(_) => {
+                self.nearest_of(|p| (p - point).norm_squared(), |t| self.newton(point, t))
+            }
         }
     }
 

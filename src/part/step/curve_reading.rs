@@ -36,9 +36,10 @@ impl Geometry<'_> {
         let part = instance.attributes();
         let positive = |k: usize| self.length(&instance, part, k);
         match instance.kind() {
-            "LINE" => {
-                Ok(Curve::Line { origin: self.point(part.reference(1)?)?, along: self.vector(part.reference(2)?)? })
-            }
+            "LINE" => Ok(Curve::Line {
+                origin: self.point(part.reference(1)?)?,
+                along: self.vector(part.reference(2)?)?,
+            }),
             "CIRCLE" => Ok(Curve::Circle { frame: self.frame(part.reference(1)?)?, radius_mm: positive(2)? }),
             "ELLIPSE" => {
                 let semi_axes_mm = [positive(2)?, positive(3)?];
@@ -48,7 +49,9 @@ impl Geometry<'_> {
                 let semi_axes_mm = [positive(2)?, positive(3)?];
                 Ok(Curve::Hyperbola { frame: self.frame(part.reference(1)?)?, semi_axes_mm })
             }
-            "PARABOLA" => Ok(Curve::Parabola { frame: self.frame(part.reference(1)?)?, focal_mm: positive(2)? }),
+            "PARABOLA" => {
+                Ok(Curve::Parabola { frame: self.frame(part.reference(1)?)?, focal_mm: positive(2)? })
+            }
             "POLYLINE" => {
                 let mut points = self.points(&part.references(1)?)?;
                 points.dedup();
@@ -155,10 +158,9 @@ fn as_polyline(degree: usize, knots: &[f64], points: &[Point3<f64>], is_rational
 /// The degree is not from 1 to [`basis::MAX_DEGREE`].
 pub fn degree(instance: &Instance, part: Attributes, k: usize) -> Result<usize, Unreadable> {
     let degree = part.integer(k)?;
-    usize::try_from(degree)
-        .ok()
-        .filter(|degree| (1..=basis::MAX_DEGREE).contains(degree))
-        .ok_or_else(|| instance.fault(format!("the degree is {degree}; from 1 to {} is read", basis::MAX_DEGREE)))
+    usize::try_from(degree).ok().filter(|degree| (1..=basis::MAX_DEGREE).contains(degree)).ok_or_else(|| {
+        instance.fault(format!("the degree is {degree}; from 1 to {} is read", basis::MAX_DEGREE))
+    })
 }
 
 /// # Errors

@@ -90,12 +90,16 @@ fn root(value: &impl Fn(f64) -> f64, from: f64, to: f64) -> Option<f64> {
 }
 
 /// Whether parameters are within polygons, by whole periods.
-pub fn contains(polygons: &[Vec<[f64; 2]>], domain: [[f64; 2]; 2], periods: [Option<f64>; 2], at: [f64; 2]) -> bool {
+pub fn contains(
+    polygons: &[Vec<[f64; 2]>],
+    domain: [[f64; 2]; 2],
+    periods: [Option<f64>; 2],
+    at: [f64; 2],
+) -> bool {
     let at = [0, 1].map(|k| lift(at[k], (domain[k][0] + domain[k][1]) / 2.0, periods[k]));
     let crossings = polygons.iter().flat_map(|polygon| {
         polygon.iter().zip(polygon.iter().cycle().skip(1)).filter(|(a, b)| {
-            (a[1] > at[1]) != (b[1] > at[1])
-                && at[0] < a[0] + (b[0] - a[0]) * (at[1] - a[1]) / (b[1] - a[1])
+            (a[1] > at[1]) != (b[1] > at[1]) && at[0] < a[0] + (b[0] - a[0]) * (at[1] - a[1]) / (b[1] - a[1])
         })
     });
     crossings.count() % 2 == 1

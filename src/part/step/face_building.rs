@@ -31,11 +31,8 @@ const STRAIGHT: f64 = 1e-9;
 /// The outline bounds no face.
 pub fn face(outline: Outline) -> Result<Face, Omission> {
     let Outline { entity, name, surface, is_reversed, loops } = outline;
-    let refuse = |reason: &str| Omission {
-        kind: "ADVANCED_FACE".to_owned(),
-        reason: reason.to_owned(),
-        entity,
-    };
+    let refuse =
+        |reason: &str| Omission { kind: "ADVANCED_FACE".to_owned(), reason: reason.to_owned(), entity };
     let directed: Vec<Vec<Edge>> = loops.iter().map(|one| directed(one, is_reversed)).collect();
     let edges: Vec<Edge> = directed.concat();
     let size_mm = size(&surface, &edges);
@@ -46,10 +43,6 @@ pub fn face(outline: Outline) -> Result<Face, Omission> {
     let sampler = Sampler::new(&foot, 0.0);
     let slices: Vec<&[Edge]> = directed.iter().map(Vec::as_slice).collect();
     let trim = Trim::of(&foot, &slices, size_mm).map_err(refuse)?;
-    if std::env::var("DBG").is_ok_and(|v| v == entity.to_string()) {
-        eprintln!("poles {:?} periods {:?}", sampler.poles, sampler.periods);
-        for chain in &trim.chains { for piece in &chain.pieces { match piece { Piece::Straight(e) => eprintln!("straight {e:?}"), Piece::Curve{samples,edge} => eprintln!("edge {edge} {:?}", samples) } } }
-    }
     let edge_deviation_mm = edge_deviation(&foot, &trim, &edges);
     if edge_deviation_mm.is_nan() || edge_deviation_mm > EDGE_MISS_MM + EDGE_MISS_SHARE * size_mm {
         return Err(refuse("its edges are not on its surface"));
@@ -181,10 +174,13 @@ fn four_corners(loops: &[Vec<Edge>], frame: &Frame) -> Option<[Point3<f64>; 4]> 
     let n = edges.len();
     let along: Vec<_> = edges.iter().map(|edge| (edge.end() - edge.start()).normalize()).collect();
     let turn = |k: usize| along[(k + n - 1) % n].cross(&along[k]).dot(&frame.z);
-    let turns: Vec<(usize, f64)> = (0..n).map(|k| (k, turn(k))).filter(|(_, sine)| sine.abs() > STRAIGHT).collect();
+    let turns: Vec<(usize, f64)> =
+        (0..n).map(|k| (k, turn(k))).filter(|(_, sine)| sine.abs() > STRAIGHT).collect();
     let left = turns.iter().all(|(_, sine)| *sine > 0.0);
     let right = turns.iter().all(|(_, sine)| *sine < 0.0);
-    let mut corners: Vec<Point3<f64>> = turns.iter().map(|(k, _)| edges[*k].start()).collect();
+    // Vertices may be a little off the plane.
+    let on_plane = |point: Point3<f64>| point - frame.z * frame.local(&point).z;
+    let mut corners: Vec<Point3<f64>> = turns.iter().map(|(k, _)| on_plane(edges[*k].start())).collect();
     if right {
         corners.reverse();
     }

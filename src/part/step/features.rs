@@ -140,7 +140,13 @@ impl Solid<'_> {
         })
     }
     /// Whether faces close a hole beyond its end in a direction.
-    fn is_closed(&self, walls: &BTreeSet<usize>, end: Point3<f64>, along: Vector3<f64>, radius_mm: f64) -> bool {
+    fn is_closed(
+        &self,
+        walls: &BTreeSet<usize>,
+        end: Point3<f64>,
+        along: Vector3<f64>,
+        radius_mm: f64,
+    ) -> bool {
         let mut reached = walls.clone();
         let mut last: Vec<usize> = walls.iter().copied().collect();
         for _ in 0..FACES_BEYOND {
@@ -167,9 +173,11 @@ impl Solid<'_> {
 
 /// Whether all edges of a face are beyond the end of a hole, and no farther from its axis than the radius.
 fn is_beyond(face: &Face, end: Point3<f64>, along: Vector3<f64>, radius_mm: f64) -> bool {
-    let mut points = face.loops.iter().flat_map(|one| &one.edges).flat_map(|edge| {
-        spread(edge).into_iter().map(|t| edge.curve.point(t) - end)
-    });
+    let mut points = face
+        .loops
+        .iter()
+        .flat_map(|one| &one.edges)
+        .flat_map(|edge| spread(edge).into_iter().map(|t| edge.curve.point(t) - end));
     points.all(|d| {
         let height = d.dot(&along);
         height > -SAME_MM && (d - along * height).norm() < radius_mm + SAME_MM
@@ -191,15 +199,16 @@ fn meets_axis(face: &Face, origin: Point3<f64>, along: Vector3<f64>) -> bool {
             Surface::Plane { frame } => {
                 let share = along.dot(&frame.z);
                 let t = (frame.origin - origin).dot(&frame.z) / share;
-                share.abs() > SAME_DIRECTION && meets(Foot::new(&face.surface).of(&(origin + along * t), None))
+                share.abs() > SAME_DIRECTION
+                    && meets(Foot::new(&face.surface).of(&(origin + along * t), None))
             }
             Surface::Sphere { frame, radius_mm } => {
                 let d = frame.origin - origin;
                 let middle = d.dot(&along);
                 let half = (radius_mm * radius_mm - d.norm_squared() + middle * middle).max(0.0).sqrt();
-                [middle - half, middle + half].into_iter().any(|t| {
-                    t > -SAME_MM && meets(Foot::new(&face.surface).of(&(origin + along * t), None))
-                })
+                [middle - half, middle + half]
+                    .into_iter()
+                    .any(|t| t > -SAME_MM && meets(Foot::new(&face.surface).of(&(origin + along * t), None)))
             }
             _ => false,
         }

@@ -78,9 +78,10 @@ impl<'a> Foot<'a> {
                     seeds.iter().map(|(at, seed)| ((seed - point).norm_squared(), *at)).collect();
                 let most = BEST_SEEDS.min(order.len() - 1);
                 order.select_nth_unstable_by(most, |a, b| a.0.total_cmp(&b.0));
-                let found = order[..=most].iter().map(|(_, at)| spline.descend(point, *at)).chain(
-                    near.map(|near| spline.descend(point, near)),
-                );
+                let found = order[..=most]
+                    .iter()
+                    .map(|(_, at)| spline.descend(point, *at))
+                    .chain(near.map(|near| spline.descend(point, near)));
                 found.min_by(|a, b| a.1.total_cmp(&b.1)).map_or([0.0; 2], |(at, _)| at)
             }
         }

@@ -38,9 +38,7 @@ pub fn nurbs(surface: &Surface, domain: [[f64; 2]; 2]) -> Nurbs {
     let [us, vs] = domain;
     let line = |origin: Point3<f64>, along: Vector3<f64>| line_profile(origin, along, vs);
     match surface {
-        Surface::Plane { frame } => {
-            extruded(line_profile(frame.origin, frame.x, us), frame.y, vs)
-        }
+        Surface::Plane { frame } => extruded(line_profile(frame.origin, frame.x, us), frame.y, vs),
         Surface::Cylinder { frame, radius_mm } => {
             revolved(line(frame.origin + frame.x * *radius_mm, frame.z), frame, us)
         }
@@ -48,9 +46,7 @@ pub fn nurbs(surface: &Surface, domain: [[f64; 2]; 2]) -> Nurbs {
             let along = frame.x * half_angle_rad.tan() + frame.z;
             revolved(line(frame.origin + frame.x * *radius_mm, along), frame, us)
         }
-        Surface::Sphere { frame, radius_mm } => {
-            revolved(meridian(frame, 0.0, *radius_mm, vs), frame, us)
-        }
+        Surface::Sphere { frame, radius_mm } => revolved(meridian(frame, 0.0, *radius_mm, vs), frame, us),
         Surface::Torus { frame, major_radius_mm, minor_radius_mm, .. } => {
             revolved(meridian(frame, *major_radius_mm, *minor_radius_mm, vs), frame, us)
         }
@@ -98,9 +94,7 @@ fn line_profile(origin: Point3<f64>, along: Vector3<f64>, [from, to]: [f64; 2]) 
 fn meridian(frame: &Frame, distance: f64, radius_mm: f64, range: [f64; 2]) -> Profile {
     let origin = frame.origin + frame.x * distance;
     let circle = Frame { origin, x: frame.x, y: frame.z, z: -frame.y };
-    conic(range, FRAC_PI_2, |t, stretch| {
-        circle.origin + circle.radial(t) * (radius_mm * stretch)
-    }, f64::cos)
+    conic(range, FRAC_PI_2, |t, stretch| circle.origin + circle.radial(t) * (radius_mm * stretch), f64::cos)
 }
 
 /// The spans of an arc: `point(t, 1)` is on the arc, and `point(t, 1 / w)` is the control point before the arc's
@@ -134,15 +128,13 @@ fn profile(curve: &Curve, range: [f64; 2]) -> Profile {
             conic(range, FRAC_PI_2, |t, s| frame.origin + frame.radial(t) * (radius_mm * s), f64::cos)
         }
         Curve::Ellipse { frame, semi_axes_mm: [a, b] } => {
-            let point = |t: f64, s: f64| {
-                frame.origin + frame.x * (a * t.cos() * s) + frame.y * (b * t.sin() * s)
-            };
+            let point =
+                |t: f64, s: f64| frame.origin + frame.x * (a * t.cos() * s) + frame.y * (b * t.sin() * s);
             conic(range, FRAC_PI_2, point, f64::cos)
         }
         Curve::Hyperbola { frame, semi_axes_mm: [a, b] } => {
-            let point = |t: f64, s: f64| {
-                frame.origin + frame.x * (a * t.cosh() * s) + frame.y * (b * t.sinh() * s)
-            };
+            let point =
+                |t: f64, s: f64| frame.origin + frame.x * (a * t.cosh() * s) + frame.y * (b * t.sinh() * s);
             conic(range, HYPERBOLIC_SPAN, point, f64::cosh)
         }
         Curve::Parabola { frame, focal_mm: f } => {
@@ -154,7 +146,8 @@ fn profile(curve: &Curve, range: [f64; 2]) -> Profile {
         Curve::Spline(spline) => {
             let [start, end] = spline.domain();
             let near = SNAP * (end - start);
-            let snap = |t: f64| spline.breaks().into_iter().find(|knot| (knot - t).abs() <= near).unwrap_or(t);
+            let snap =
+                |t: f64| spline.breaks().into_iter().find(|knot| (knot - t).abs() <= near).unwrap_or(t);
             let turn = if spline.is_closed {
                 ((from + near - start) / (end - start)).floor() * (end - start)
             } else {
@@ -198,7 +191,8 @@ fn revolved(profile: Profile, frame: &Frame, range: [f64; 2]) -> Nurbs {
     };
     let arcs: Vec<Profile> = profile.points.iter().map(turned).collect();
     let knots = arcs[0].knots.clone();
-    let weighted = |i: usize| arcs.iter().zip(&profile.points).map(move |(arc, p)| arc.points[i] * p.w).collect();
+    let weighted =
+        |i: usize| arcs.iter().zip(&profile.points).map(move |(arc, p)| arc.points[i] * p.w).collect();
     let rows = (0..arcs[0].points.len()).map(weighted).collect();
     from_rows([2, profile.degree], [knots, profile.knots], rows)
 }
@@ -236,7 +230,8 @@ fn is_clamped((knots, degree): (&Vec<f64>, usize)) -> bool {
 /// A surface of control points that are multiplied by their weights.
 fn from_rows(degree: [usize; 2], knots: [Vec<f64>; 2], rows: Vec<Vec<Vector4<f64>>>) -> Nurbs {
     let is_rational = rows.iter().flatten().any(|point| (point.w - 1.0).abs() > 1e-15);
-    let weights = is_rational.then(|| rows.iter().map(|row| row.iter().map(|point| point.w).collect()).collect());
+    let weights =
+        is_rational.then(|| rows.iter().map(|row| row.iter().map(|point| point.w).collect()).collect());
     let point = |point: &Vector4<f64>| Point3::from(point.xyz() / point.w);
     let control_points = rows.iter().map(|row| row.iter().map(point).collect()).collect();
     Nurbs { degree, knots, control_points, weights }

@@ -212,9 +212,9 @@ pub fn spread(edge: &Edge) -> Vec<f64> {
     let [from, to] = [edge.from, edge.to];
     let breaks = edge.curve.breaks([from.min(to), from.max(to)]);
     let n = if matches!(edge.curve, Curve::Polyline(_)) { 1 } else { 4 };
-    let inner = breaks.windows(2).flat_map(|pair| {
-        (0..n).map(move |k| pair[0] + (pair[1] - pair[0]) * f64::from(k) / f64::from(n))
-    });
+    let inner = breaks
+        .windows(2)
+        .flat_map(|pair| (0..n).map(move |k| pair[0] + (pair[1] - pair[0]) * f64::from(k) / f64::from(n)));
     let mut places: Vec<f64> = inner.chain([from.max(to)]).collect();
     if from > to {
         places.reverse();

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use toolpathd_core::budget::Budget;
 
-use super::bodies::has_no_shape;
+use super::bodies::{SHAPES, has_no_shape};
 use super::frame::Similarity;
 use super::instance::{Instance, Source};
 use super::placement::Geometry;
@@ -51,6 +51,8 @@ struct Graph<'a> {
     node_of: BTreeMap<u32, u32>,
     uses: BTreeMap<u32, Vec<Use>>,
     items: BTreeMap<u32, Vec<PlacedItem>>,
+    /// Representations of the shapes of products. Others are of parts of shapes, such as a face with a note.
+    of_products: BTreeSet<u32>,
 }
 
 /// A relation of two representations.
@@ -72,6 +74,7 @@ pub fn placed_items(source: &Source, budget: &Budget) -> Result<Vec<PlacedItem>,
         node_of: BTreeMap::new(),
         uses: BTreeMap::new(),
         items: BTreeMap::new(),
+        of_products: BTreeSet::new(),
     };
     graph.read_representations()?;
     let relations = graph.relations()?;
@@ -153,14 +156,20 @@ impl Graph<'_> {
     }
 
     /// For each relation that an assembly uses, the representations of the part that is placed.
-    fn children_of_uses(&self) -> Result<BTreeMap<u32, BTreeSet<u32>>, Unreadable> {
+    fn children_of_uses(&mut self) -> Result<BTreeMap<u32, BTreeSet<u32>>, Unreadable> {
         let mut shapes: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
-        for number in self.roots("SHAPE_DEFINITION_REPRESENTATION") {
+        let definitions: Vec<u32> = self.roots("SHAPE_DEFINITION_REPRESENTATION").collect();
+        for number in definitions {
             let instance = self.source.get(number)?;
             let part = instance.attributes();
             let (shape, representation) = (part.reference(0)?, part.reference(1)?);
             if let Some(product) = self.definition(shape)? {
                 shapes.entry(product).or_default().insert(representation);
+            }
+        }
+        for (product, representations) in &shapes {
+            if self.source.get(*product)?.kind().starts_with("PRODUCT_DEFINITION") {
+                self.of_products.extend(representations);
             }
         }
         let mut children = BTreeMap::new();
@@ -191,7 +200,8 @@ impl Graph<'_> {
     fn join(&mut self, relations: &[Relation], children: &BTreeMap<u32, BTreeSet<u32>>) {
         let numbers: Vec<u32> = self.representations.keys().copied().collect();
         let mut node_of: BTreeMap<u32, u32> = numbers.iter().map(|number| (*number, *number)).collect();
-        for relation in relations.iter().filter(|one| one.by.is_none() && !children.contains_key(&one.number)) {
+        for relation in relations.iter().filter(|one| one.by.is_none() && !children.contains_key(&one.number))
+        {
             let tops = relation.ends.map(|end| top(&mut node_of, end));
             let (least, other) = (tops[0].min(tops[1]), tops[0].max(tops[1]));
             node_of.insert(other, least);
@@ -265,7 +275,47 @@ impl Graph<'_> {
         }
         // The representations were taken from the last to the first.
         self.items.values_mut().for_each(|items| items.sort_by_key(|placed| placed.item));
+        self.drop_repeated();
         Ok(())
+    }
+
+    /// Drops an item from nodes that stand alone and are no product, if another node has it, too. Beside products,
+    /// such nodes have faces, edges and texts of notes: there only bodies count.
+    fn drop_repeated(&mut self) {
+        let products: BTreeSet<u32> =
+            self.of_products.iter().filter_map(|number| self.node_of.get(number)).copied().collect();
+        let used: BTreeSet<u32> = self.uses.values().flatten().map(|one| one.child).collect();
+        let is_alone =
+            |node: &u32| !products.contains(node) && !used.contains(node) && !self.uses.contains_key(node);
+        let mut nodes_of: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (node, items) in &self.items {
+            for placed in items {
+                nodes_of.entry(placed.item).or_default().push(*node);
+            }
+        }
+        let roots = &self.source.index.roots;
+        let bodies: BTreeSet<u32> = roots
+            .iter()
+            .filter(|(_, name)| SHAPES.contains(&name.as_str()))
+            .map(|(number, _)| *number)
+            .collect();
+        // Of nodes that are all alone, the first keeps it.
+        let is_kept = |node: u32, item: u32| {
+            let nodes = &nodes_of[&item];
+            let is_first = || nodes[0] == node && nodes.iter().all(is_alone);
+            !is_alone(&node) || (is_first() && (products.is_empty() || bodies.contains(&item)))
+        };
+        let kept: BTreeMap<u32, Vec<PlacedItem>> = self
+            .items
+            .iter()
+            .map(|(node, items)| {
+                let mut kept = items.clone();
+                kept.dedup_by_key(|placed| placed.item);
+                kept.retain(|placed| is_kept(*node, placed.item));
+                (*node, kept)
+            })
+            .collect();
+        self.items = kept;
     }
 
     /// The representation that a mapped item maps, with its similarity.

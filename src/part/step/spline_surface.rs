@@ -23,7 +23,9 @@ impl SplineSurface {
         surface.is_closed = [0, 1].map(|along| {
             let [from, to] = surface.domain()[along];
             let other = surface.breaks(1 - along);
-            let samples = other.windows(2).flat_map(|pair| [0.0, 0.37, 0.71].map(|s| pair[0] + s * (pair[1] - pair[0])));
+            let samples = other
+                .windows(2)
+                .flat_map(|pair| [0.0, 0.37, 0.71].map(|s| pair[0] + s * (pair[1] - pair[0])));
             let at = |t: f64, s: f64| if along == 0 { [t, s] } else { [s, t] };
             let gap = |s: f64| (surface.jet(at(to, s)).0 - surface.jet(at(from, s)).0).norm();
             samples.map(gap).fold(0.0, f64::max) <= 1e-7 * surface.size()
@@ -40,9 +42,10 @@ impl SplineSurface {
     /// The diagonal of the box of the control points, mm.
     pub fn size(&self) -> f64 {
         let points = self.nurbs.control_points.iter().flatten();
-        let (low, high) = points.fold((Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN)), |(low, high), p| {
-            (low.inf(&p.coords), high.sup(&p.coords))
-        });
+        let (low, high) = points
+            .fold((Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN)), |(low, high), p| {
+                (low.inf(&p.coords), high.sup(&p.coords))
+            });
         (high - low).norm()
     }
 

@@ -16,20 +16,44 @@ const ON_AXIS_MM: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Surface {
     /// `origin + u x + v y`.
-    Plane { frame: Frame },
+    Plane {
+        frame: Frame,
+    },
     /// `origin + radius (cos u x + sin u y) + v z`.
-    Cylinder { frame: Frame, radius_mm: f64 },
+    Cylinder {
+        frame: Frame,
+        radius_mm: f64,
+    },
     /// `origin + (radius + v tan a) (cos u x + sin u y) + v z`, with half the angle at the apex a.
-    Cone { frame: Frame, radius_mm: f64, half_angle_rad: f64 },
+    Cone {
+        frame: Frame,
+        radius_mm: f64,
+        half_angle_rad: f64,
+    },
     /// `origin + radius (cos v (cos u x + sin u y) + sin v z)`.
-    Sphere { frame: Frame, radius_mm: f64 },
+    Sphere {
+        frame: Frame,
+        radius_mm: f64,
+    },
     /// `origin + (major + minor cos v) (cos u x + sin u y) + minor sin v z`. A torus whose minor radius is the
     /// larger one cuts itself: `is_inner` tells which part is meant.
-    Torus { frame: Frame, major_radius_mm: f64, minor_radius_mm: f64, is_inner: bool },
+    Torus {
+        frame: Frame,
+        major_radius_mm: f64,
+        minor_radius_mm: f64,
+        is_inner: bool,
+    },
     /// `curve(u) + v along`, with `along` of unit length.
-    Extrusion { curve: Curve, along: Vector3<f64> },
+    Extrusion {
+        curve: Curve,
+        along: Vector3<f64>,
+    },
     /// `curve(v)`, turned by u about z of the frame. The file may state the range of v.
-    Revolution { curve: Curve, frame: Frame, range: Option<[f64; 2]> },
+    Revolution {
+        curve: Curve,
+        frame: Frame,
+        range: Option<[f64; 2]>,
+    },
     Spline(SplineSurface),
 }
 
@@ -168,8 +192,9 @@ impl Surface {
             }
             Self::Spline(spline) => {
                 let poles = spline_poles(spline);
-                let is_closed =
-                    |k: usize| spline.is_closed[k] || poles.iter().filter(|pole| pole.along == k).count() == 2;
+                let is_closed = |k: usize| {
+                    spline.is_closed[k] || poles.iter().filter(|pole| pole.along == k).count() == 2
+                };
                 (is_closed(0) && is_closed(1)).then(|| spline.domain())
             }
             _ => None,

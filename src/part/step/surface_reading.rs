@@ -58,9 +58,10 @@ impl Geometry<'_> {
             "RECTANGULAR_TRIMMED_SURFACE" | "CURVE_BOUNDED_SURFACE" => {
                 self.surface_below(part.reference(1)?, depth + 1)
             }
-            "B_SPLINE_SURFACE_WITH_KNOTS" | "UNIFORM_SURFACE" | "QUASI_UNIFORM_SURFACE" | "BEZIER_SURFACE" => {
-                self.spline_surface(&instance)
-            }
+            "B_SPLINE_SURFACE_WITH_KNOTS"
+            | "UNIFORM_SURFACE"
+            | "QUASI_UNIFORM_SURFACE"
+            | "BEZIER_SURFACE" => self.spline_surface(&instance),
             _ if instance.has("B_SPLINE_SURFACE") => self.spline_surface(&instance),
             _ => {
                 let reason = "surfaces of this kind are not read";
@@ -82,7 +83,9 @@ impl Geometry<'_> {
             if size < LEAST_ANGLE && radius_mm > 0.0 {
                 return Ok(Surface::Cylinder { frame, radius_mm });
             }
-            return Err(instance.fault("half the angle of a cone must be between 0 and a right angle").into());
+            return Err(instance
+                .fault("half the angle of a cone must be between 0 and a right angle")
+                .into());
         }
         Ok(Surface::Cone { frame, radius_mm, half_angle_rad })
     }

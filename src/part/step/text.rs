@@ -215,8 +215,7 @@ impl<'a> Cursor<'a> {
 
     /// Skips blanks and comments.
     pub fn skip_blank(&mut self) -> Result<(), Fault> {
-        self.at = end_of_blank(self.bytes, self.at)
-            .ok_or_else(|| self.fault("a comment has no end"))?;
+        self.at = end_of_blank(self.bytes, self.at).ok_or_else(|| self.fault("a comment has no end"))?;
         Ok(())
     }
 

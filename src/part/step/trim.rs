@@ -172,9 +172,8 @@ fn chain(
         None => [0, 1].map(|k| lift(start[k], end[k], sampler.periods[k])),
     };
     chain.go(&[target]);
-    chain.turns = [0, 1].map(|k| {
-        sampler.periods[k].map_or(0, |period| ((target[k] - start[k]) / period).round() as i32)
-    });
+    chain.turns = [0, 1]
+        .map(|k| sampler.periods[k].map_or(0, |period| ((target[k] - start[k]) / period).round() as i32));
     Ok(Some(chain))
 }
 

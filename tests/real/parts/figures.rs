@@ -15,7 +15,9 @@ fn main() {
         let seconds = begun.elapsed().as_secs_f64();
         match answer {
             Ok(model) => println!("{}", report(&path, &model, seconds)),
-            Err(error) => println!("{{\"path\":{path:?},\"error\":{:?},\"seconds\":{seconds}}}", error.to_string()),
+            Err(error) => {
+                println!("{{\"path\":{path:?},\"error\":{:?},\"seconds\":{seconds}}}", error.to_string())
+            }
         }
     }
 }

@@ -161,15 +161,6 @@ def pipe():
     return BRepOffsetAPI_MakePipe(path, BRepBuilderAPI_MakeFace(wire(circle)).Face()).Shape()
 
 
-def spindle():
-    """A torus that cuts itself: a circle whose middle is nearer to the axis than its radius."""
-    half = math.acos(-2 / 5)
-    arc = BRepBuilderAPI_MakeEdge(gp_Circ(gp_Ax2(gp_Pnt(2, 0, 0), gp_Dir(0, -1, 0), gp_Dir(1, 0, 0)), 5.0), -half, half)
-    top, bottom = (0, 0, 5 * math.sin(half)), (0, 0, -5 * math.sin(half))
-    face = BRepBuilderAPI_MakeFace(wire(arc.Edge(), line(top, bottom))).Face()
-    return BRepPrimAPI_MakeRevol(face, gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))).Shape()
-
-
 def drilled_block():
     """A through hole, a blind hole with a flat end, one with a cone, one with a ball and a counterbore."""
     through = BRepPrimAPI_MakeCylinder(axes(8, 8, -1), 3.0, 30.0).Shape()
@@ -245,7 +236,6 @@ SHAPES = {
     "torus": lambda: turned(BRepPrimAPI_MakeTorus(20.0, 5.0).Shape()),
     "torus_part": lambda: BRepPrimAPI_MakeTorus(20.0, 5.0, 1.5).Shape(),
     "torus_hole": torus_with_a_hole,
-    "torus_spindle": spindle,
     "wavy_face": wavy_face,
     "wavy_block": lambda: turned(wavy_block()),
     "extruded_spline": extruded_spline,

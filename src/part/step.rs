@@ -229,3 +229,6 @@ fn whole_box(faces: &[Face]) -> Option<[Point3<f64>; 2]> {
     let boxes = faces.iter().map(|face| face.bounds_mm);
     boxes.reduce(|[low, high], [lower, higher]| [low.inf(&lower), high.sup(&higher)])
 }
+
+#[cfg(test)]
+mod tests;

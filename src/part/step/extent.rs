@@ -21,6 +21,9 @@ const GRID: usize = 8;
 /// Bisections for the place of an extreme: 1e-12 of the distance of two samples.
 const BISECTIONS: usize = 40;
 
+/// A place outside the rectangle of parameters by this part of its half width is on its side.
+const ON_SIDE: f64 = 1e-7;
+
 /// A parameter that changes by less, as a part of its size, is constant.
 const ROUNDING: f64 = 1e-10;
 
@@ -146,7 +149,15 @@ pub fn face_box(
     let places = polygons.iter().flatten();
     places.for_each(|at| corners.add(&surface.point(*at)));
     for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
-        let is_inside = |at: &[f64; 2]| contains(polygons, domain, periods, *at);
+        // A place on a side of the rectangle of parameters counts as inside.
+        let is_inside = |at: &[f64; 2]| {
+            let beside = [0, 1].map(|k| {
+                let [from, to] = domain[k];
+                let middle = (from + to) / 2.0;
+                middle + (lift(at[k], middle, periods[k]) - middle) * (1.0 - ON_SIDE)
+            });
+            contains(polygons, domain, periods, beside)
+        };
         let found = extremes(surface, &axis, domain, is_inside);
         found.into_iter().filter(is_inside).for_each(|at| corners.add(&surface.point(at)));
     }

@@ -134,8 +134,9 @@ impl<'a> Cursor<'a> {
             }
             Some(b'\'') => self.text(),
             Some(b'"') => self.binary(),
-            Some(b'.') => self.enumeration(),
-            Some(b'0'..=b'9' | b'+' | b'-') => self.number(),
+            // Some writers leave out the digit before the point.
+            Some(b'.') if !self.bytes.get(self.at + 1).is_some_and(u8::is_ascii_digit) => self.enumeration(),
+            Some(b'0'..=b'9' | b'+' | b'-' | b'.') => self.number(),
             Some(byte) if byte.is_ascii_alphabetic() || byte == b'_' || byte == b'!' => {
                 let Part { name, values } = self.typed(depth)?;
                 Ok(Value::Typed(name, values))

@@ -2,20 +2,20 @@
 //!
 //! # Method
 //! 1. One pass finds where the instances are ([`index`]); values are read when they are asked for ([`text`]).
-//! 2. The representations are walked from the top of the assembly ([`representation`]) to the faces of each body
-//!    ([`bodies`]), which are read once and placed as often as they occur.
-//! 3. A face is a surface with edges in space. The edges are taken into the plane of its parameters ([`trim`]),
-//!    where its area ([`area`]) and its B-spline ([`nurbs_form`]) come from.
+//! 2. The representations are walked from the top of the assembly ([`representation`]) to the faces of each
+//!    body ([`bodies`]), which are read once and placed as often as they occur.
+//! 3. A face is a surface with edges in space. The edges are taken into the plane of its parameters
+//!    ([`trim`]), where its area ([`area`]) and its B-spline ([`nurbs_form`]) come from.
 //! 4. Holes and levels are found among the placed faces ([`features`]).
 //!
 //! # Guarantees
-//! * A file with a broken instance that a shape needs is refused, with the number of the instance. A face of a
-//!   kind that is not read, or whose bounds do not close, is listed as left out.
+//! * A file with a broken instance that a shape needs is refused, with the number of the instance. A face of
+//!   a kind that is not read, or whose bounds do not close, is listed as left out.
 //! * Representations, curves and surfaces that contain themselves are refused.
 //!
 //! # Known limitations
-//! * The limits of trimmed surfaces and the curves in the plane of the parameters are not used: the edges in space
-//!   are the bounds.
+//! * The limits of trimmed surfaces and the curves in the plane of the parameters are not used: the edges in
+//!   space are the bounds.
 //! * Offset surfaces and curves, composite curves as edges, wireframes and triangles are left out.
 //!
 //! # Reference
@@ -36,11 +36,11 @@ mod extent;
 mod face_building;
 mod face_reading;
 mod features;
-mod foot;
 mod gauss;
 mod index;
 mod instance;
 mod nurbs_form;
+mod parameter_search;
 mod piece;
 mod placement;
 mod refusal;
@@ -51,8 +51,9 @@ mod text;
 mod trim;
 mod units;
 
-pub use model::{Body, Edge, Face, Hole, Level, Loop, Model};
+pub use model::{Body, Edge, Face, Hole, LevelFaces, Loop, Model};
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Point3;
@@ -75,8 +76,8 @@ type Key = (u32, u64);
 /// Reads a STEP file.
 ///
 /// # Errors
-/// The file is no STEP file, is broken where a shape needs it, or has more than the reader takes; or the budget
-/// has ended.
+/// The file is no STEP file, is broken where a shape needs it, or has more than the reader takes; or the
+/// budget has ended.
 pub fn read(bytes: &[u8], budget: &Budget) -> Result<Model, Unreadable> {
     let source = Source { bytes, index: Index::of(bytes, budget)? };
     let mut left_out = LeftOuts::default();
@@ -129,10 +130,11 @@ fn placed_bodies(
     let mut n_faces = 0;
     for item in items {
         budget.check()?;
-        if !known.contains_key(&item.item) {
-            known.insert(item.item, kept(shells(source, item.item), left_out)?.flatten());
-        }
-        let Some(body) = &known[&item.item] else { continue };
+        let body = match known.entry(item.item) {
+            Entry::Occupied(found) => found.into_mut(),
+            Entry::Vacant(free) => free.insert(kept(shells(source, item.item), left_out)?.flatten()),
+        };
+        let Some(body) = body else { continue };
         n_faces += body.faces.len();
         if n_faces > MOST_FACES {
             let place = Place::Entity(u64::from(item.item));

@@ -1,16 +1,18 @@
 //! The area of a face.
 //!
 //! # Method
-//! Green's theorem: the area is the integral of a field along the bounds in the plane of the parameters. The field
-//! is the integral of the area's density along one parameter. It has a closed form for all surfaces but splines.
+//! Green's theorem: the area is the integral of a field along the bounds in the plane of the parameters. The
+//! field is the integral of the area's density along one parameter. It has a closed form for all surfaces but
+//! splines.
 //!
 //! # Cost
-//! Some evaluations of the field for each sample of the bounds. For a spline the field costs an evaluation of the
-//! surface for each 3 knot spans along v and node; an untrimmed spline is integrated span by span instead.
+//! Some evaluations of the field for each sample of the bounds. For a spline the field costs an evaluation of
+//! the surface for each 3 knot spans along v and node; an untrimmed spline is integrated span by span
+//! instead.
 
 use super::gauss::{adaptive, once};
 use super::model::Edge;
-use super::piece::{Piece, Sample, Sampler};
+use super::piece::{BoundPiece, Sample, Sampler};
 use super::spline_surface::{SplineSurface, newton_step};
 use super::surface::Surface;
 use super::trim::Trim;
@@ -23,21 +25,21 @@ const SPLINE_SHARE: f64 = 1e-9;
 
 /// The area within a trim, mm2.
 pub fn trimmed(sampler: &Sampler, trim: &Trim, edges: &[Edge], size_mm: f64) -> f64 {
-    let surface = sampler.foot.surface;
+    let surface = sampler.search.surface;
     let start = trim.chains[0].pieces[0].start();
     let share = if matches!(surface, Surface::Spline(_)) { SPLINE_SHARE } else { SHARE };
     let tolerance = share * size_mm * size_mm;
     let mut sum = 0.0;
     for piece in trim.chains.iter().flat_map(|chain| &chain.pieces) {
         match piece {
-            Piece::Straight([from, to]) => {
+            BoundPiece::Straight([from, to]) => {
                 let change = [to[0] - from[0], to[1] - from[1]];
                 sum += adaptive(0.0, 1.0, tolerance, &mut |s| {
                     let field = field(surface, [from[0] + change[0] * s, from[1] + change[1] * s], start);
                     field[0] * change[0] + field[1] * change[1]
                 });
             }
-            Piece::Curve { edge, samples } => {
+            BoundPiece::Curve { edge, samples } => {
                 for pair in samples.windows(2).filter(|pair| pair[0].t != pair[1].t) {
                     sum += adaptive(pair[0].t, pair[1].t, tolerance, &mut |t| {
                         along(sampler, &edges[*edge], [&pair[0], &pair[1]], t, start)
@@ -54,9 +56,9 @@ fn along(sampler: &Sampler, edge: &Edge, [a, b]: [&Sample; 2], t: f64, start: [f
     let share = (t - a.t) / (b.t - a.t);
     let near = [0, 1].map(|k| a.at[k] + (b.at[k] - a.at[k]) * share);
     let at = sampler.place(edge, t, Some(near));
-    let (_, du, dv) = sampler.foot.surface.jet(at);
+    let (_, du, dv) = sampler.search.surface.jet(at);
     let change = newton_step(&du, &dv, &edge.curve.jet(t).1);
-    let field = field(sampler.foot.surface, at, start);
+    let field = field(sampler.search.surface, at, start);
     field[0] * change[0] + field[1] * change[1]
 }
 

@@ -1,8 +1,8 @@
 //! Curves in space: their points, and the parameter of a point.
 //!
 //! # Guarantees
-//! Every curve is unbounded, or closed with a period, or has a domain. A parameter outside the domain of a closed
-//! curve is taken round; outside the domain of an open one it is taken to the nearer end.
+//! Every curve is unbounded, or closed with a period, or has a domain. A parameter outside the domain of a
+//! closed curve is taken round; outside the domain of an open one it is taken to the nearer end.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,8 @@ use super::spline_curve::SplineCurve;
 /// Steps of Newton's method for the nearest parameter. It squares the error at each, from 1e-2 of a span.
 const NEWTON_STEPS: usize = 30;
 
-/// A curve. Angles and the parameters of splines are as in the file; lines and polylines count mm and segments.
+/// A curve. Angles and the parameters of splines are as in the file; lines and polylines count mm and
+/// segments.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Curve {
     /// `origin + t along`, with `along` of unit length.

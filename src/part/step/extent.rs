@@ -1,16 +1,16 @@
 //! The ranges of a face: of its parameters, and its box in space.
 //!
 //! # Method
-//! The largest value of a coordinate is on the bounds, or where the coordinate's direction is the normal of the
-//! surface. Planes, cylinders, cones and extrusions have no such places without one on the bounds. Spheres and tori
-//! have them in closed form; other surfaces are searched from a grid.
+//! The largest value of a coordinate is on the bounds, or where the coordinate's direction is the normal of
+//! the surface. Planes, cylinders, cones and extrusions have no such places without one on the bounds.
+//! Spheres and tori have them in closed form; other surfaces are searched from a grid.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point3, Vector3};
 
 use super::model::Edge;
-use super::piece::{Piece, Sample, Sampler, lift, spread};
+use super::piece::{BoundPiece, Sample, Sampler, lift, spread};
 use super::spline_surface::newton_step;
 use super::surface::Surface;
 use super::trim::{Chain, Trim};
@@ -40,7 +40,7 @@ pub fn domain(sampler: &Sampler, trim: &Trim, edges: &[Edge]) -> [[f64; 2]; 2] {
                 *high = high.max(place[k]);
             }
         }
-        let Piece::Curve { edge, samples } = piece else { continue };
+        let BoundPiece::Curve { edge, samples } = piece else { continue };
         for (k, [low, high]) in domain.iter_mut().enumerate() {
             for extreme in turning_places(sampler, &edges[*edge], samples, k) {
                 *low = low.min(extreme);
@@ -61,7 +61,7 @@ fn turning_places(sampler: &Sampler, edge: &Edge, samples: &[Sample], k: usize) 
         return Vec::new();
     }
     let speed = |t: f64, near: [f64; 2]| {
-        let (_, du, dv) = sampler.foot.surface.jet(sampler.place(edge, t, Some(near)));
+        let (_, du, dv) = sampler.search.surface.jet(sampler.place(edge, t, Some(near)));
         newton_step(&du, &dv, &edge.curve.jet(t).1)[k]
     };
     let mut found = Vec::new();

@@ -5,12 +5,12 @@ use nalgebra::Point3;
 use super::area;
 use super::curve::Curve;
 use super::extent::{domain, edge_box, face_box};
-use super::face_reading::Outline;
-use super::foot::Foot;
+use super::face_reading::FaceOutline;
 use super::frame::{Frame, Placement};
 use super::model::{Edge, Face, Loop};
 use super::nurbs_form;
-use super::piece::{Piece, Sampler};
+use super::parameter_search::ParameterSearch;
+use super::piece::{BoundPiece, Sampler};
 use super::refusal::Omission;
 use super::surface::Surface;
 use super::trim::Trim;
@@ -29,8 +29,8 @@ const STRAIGHT: f64 = 1e-9;
 ///
 /// # Errors
 /// The outline bounds no face.
-pub fn face(outline: Outline) -> Result<Face, Omission> {
-    let Outline { entity, name, surface, is_reversed, loops } = outline;
+pub fn face(outline: FaceOutline) -> Result<Face, Omission> {
+    let FaceOutline { entity, name, surface, is_reversed, loops } = outline;
     let refuse =
         |reason: &str| Omission { kind: "ADVANCED_FACE".to_owned(), reason: reason.to_owned(), entity };
     let directed: Vec<Vec<Edge>> = loops.iter().map(|one| directed(one, is_reversed)).collect();
@@ -39,11 +39,11 @@ pub fn face(outline: Outline) -> Result<Face, Omission> {
     if !(size_mm > 0.0 && size_mm.is_finite()) {
         return Err(refuse("it has no size"));
     }
-    let foot = Foot::new(&surface);
-    let sampler = Sampler::new(&foot, 0.0);
+    let search = ParameterSearch::new(&surface);
+    let sampler = Sampler::new(&search, 0.0);
     let slices: Vec<&[Edge]> = directed.iter().map(Vec::as_slice).collect();
-    let trim = Trim::of(&foot, &slices, size_mm).map_err(refuse)?;
-    let edge_deviation_mm = edge_deviation(&foot, &trim, &edges);
+    let trim = Trim::of(&search, &slices, size_mm).map_err(refuse)?;
+    let edge_deviation_mm = edge_deviation(&search, &trim, &edges);
     if edge_deviation_mm.is_nan() || edge_deviation_mm > EDGE_MISS_MM + EDGE_MISS_SHARE * size_mm {
         return Err(refuse("its edges are not on its surface"));
     }
@@ -130,12 +130,12 @@ fn size(surface: &Surface, edges: &[Edge]) -> f64 {
 }
 
 /// The largest distance of the samples of edges from the surface, mm.
-fn edge_deviation(foot: &Foot, trim: &Trim, edges: &[Edge]) -> f64 {
+fn edge_deviation(search: &ParameterSearch, trim: &Trim, edges: &[Edge]) -> f64 {
     let mut largest = 0.0_f64;
     for piece in trim.chains.iter().flat_map(|chain| &chain.pieces) {
-        if let Piece::Curve { edge, samples } = piece {
+        if let BoundPiece::Curve { edge, samples } = piece {
             for sample in samples {
-                let miss = foot.miss(&edges[*edge].curve.point(sample.t), sample.at);
+                let miss = search.miss(&edges[*edge].curve.point(sample.t), sample.at);
                 if miss.is_nan() {
                     return miss;
                 }

@@ -23,7 +23,7 @@ const SAME_POINT_MM: f64 = 1e-7;
 
 /// A face as the file has it, in the units of its representation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outline {
+pub struct FaceOutline {
     pub entity: u64,
     pub name: String,
     pub surface: Surface,
@@ -37,7 +37,7 @@ impl Geometry<'_> {
     ///
     /// # Errors
     /// The file is broken, or the face is of a kind that is left out.
-    pub fn face(&self, number: u32) -> Result<Outline, Refusal> {
+    pub fn face(&self, number: u32) -> Result<FaceOutline, Refusal> {
         let instance = self.source.get(number)?;
         let entity = instance.place();
         let (base, first) = if instance.is_complex() && instance.has("FACE") {
@@ -61,7 +61,7 @@ impl Geometry<'_> {
                 let surface = plane_of(&loops).ok_or_else(|| {
                     Refusal::shape("FACE", "it has no surface, and its bounds make no plane", entity)
                 })?;
-                Ok(Outline { entity, name, surface, is_reversed: false, loops })
+                Ok(FaceOutline { entity, name, surface, is_reversed: false, loops })
             }
             "ADVANCED_FACE" | "FACE_SURFACE" | "FACE" => {
                 let (part, first) = if instance.is_complex() {
@@ -71,7 +71,7 @@ impl Geometry<'_> {
                 };
                 let surface = self.surface(part.reference(first)?)?;
                 let is_reversed = !part.truth(first + 1)?;
-                Ok(Outline { entity, name, surface, is_reversed, loops })
+                Ok(FaceOutline { entity, name, surface, is_reversed, loops })
             }
             kind => Err(Refusal::shape(kind, "faces of this kind are not read", entity)),
         }

@@ -1,9 +1,9 @@
 //! Features of solids: round holes and level faces.
 //!
 //! # Method
-//! Cylindrical faces of one body that are seen from inside, with one axis and one radius, make a hole where they
-//! overlap along the axis and go all the way round. An end of a hole is closed if the faces that lie beyond it,
-//! joined by edges and no farther from the axis than the radius, meet the axis.
+//! Cylindrical faces of one body that are seen from inside, with one axis and one radius, make a hole where
+//! they overlap along the axis and go all the way round. An end of a hole is closed if the faces that lie
+//! beyond it, joined by edges and no farther from the axis than the radius, meet the axis.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -11,9 +11,9 @@ use std::f64::consts::TAU;
 use nalgebra::{Point3, Vector3};
 
 use super::extent::contains;
-use super::foot::Foot;
 use super::frame::Frame;
-use super::model::{Body, Face, Hole, Level};
+use super::model::{Body, Face, Hole, LevelFaces};
+use super::parameter_search::ParameterSearch;
 use super::piece::spread;
 use super::surface::Surface;
 
@@ -200,15 +200,15 @@ fn meets_axis(face: &Face, origin: Point3<f64>, along: Vector3<f64>) -> bool {
                 let share = along.dot(&frame.z);
                 let t = (frame.origin - origin).dot(&frame.z) / share;
                 share.abs() > SAME_DIRECTION
-                    && meets(Foot::new(&face.surface).of(&(origin + along * t), None))
+                    && meets(ParameterSearch::new(&face.surface).of(&(origin + along * t), None))
             }
             Surface::Sphere { frame, radius_mm } => {
                 let d = frame.origin - origin;
                 let middle = d.dot(&along);
                 let half = (radius_mm * radius_mm - d.norm_squared() + middle * middle).max(0.0).sqrt();
-                [middle - half, middle + half]
-                    .into_iter()
-                    .any(|t| t > -SAME_MM && meets(Foot::new(&face.surface).of(&(origin + along * t), None)))
+                [middle - half, middle + half].into_iter().any(|t| {
+                    t > -SAME_MM && meets(ParameterSearch::new(&face.surface).of(&(origin + along * t), None))
+                })
             }
             _ => false,
         }
@@ -232,8 +232,8 @@ fn goes_round(faces: &[Face], walls: &[Wall]) -> bool {
 }
 
 /// Plane faces with a normal along z, by height.
-pub fn levels(faces: &[Face]) -> Vec<Level> {
-    let mut levels: Vec<Level> = Vec::new();
+pub fn levels(faces: &[Face]) -> Vec<LevelFaces> {
+    let mut levels: Vec<LevelFaces> = Vec::new();
     for (number, face) in faces.iter().enumerate() {
         let Surface::Plane { frame } = &face.surface else { continue };
         if frame.z.xy().norm() > SAME_DIRECTION {
@@ -242,14 +242,17 @@ pub fn levels(faces: &[Face]) -> Vec<Level> {
         // A mirrored frame is left-handed: its normal is x times y.
         let is_up = (frame.x.cross(&frame.y).z > 0.0) != face.is_reversed;
         let height_mm = (face.bounds_mm[0].z + face.bounds_mm[1].z) / 2.0;
-        let is_same =
-            |level: &&mut Level| level.is_up == is_up && (level.height_mm - height_mm).abs() < SAME_HEIGHT_MM;
+        let is_same = |level: &&mut LevelFaces| {
+            level.is_up == is_up && (level.height_mm - height_mm).abs() < SAME_HEIGHT_MM
+        };
         match levels.iter_mut().find(is_same) {
             Some(level) => {
                 level.faces.push(number);
                 level.area_mm2 += face.area_mm2;
             }
-            None => levels.push(Level { height_mm, is_up, faces: vec![number], area_mm2: face.area_mm2 }),
+            None => {
+                levels.push(LevelFaces { height_mm, is_up, faces: vec![number], area_mm2: face.area_mm2 })
+            }
         }
     }
     levels.sort_by(|a, b| b.height_mm.total_cmp(&a.height_mm));

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-/// An origin with three unit vectors at right angles. Right-handed in the file; a mirrored copy is left-handed.
+/// An origin with three unit vectors at right angles. Right-handed in the file; a mirrored copy is
+/// left-handed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// mm.

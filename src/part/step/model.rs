@@ -15,8 +15,8 @@ use crate::unit::Unit;
 pub struct Model {
     /// The name of the schema, such as `AUTOMOTIVE_DESIGN`.
     pub schema: String,
-    /// The unit of length of the first representation with shapes. `None` if the file states none, or one that
-    /// has no name here.
+    /// The unit of length of the first representation with shapes. `None` if the file states none, or one
+    /// that has no name here.
     pub unit: Option<Unit>,
     /// mm in this unit; 1 if the file states none.
     pub mm_per_unit: f64,
@@ -26,7 +26,7 @@ pub struct Model {
     /// The faces of all bodies, in the order of the bodies.
     pub faces: Vec<Face>,
     pub holes: Vec<Hole>,
-    pub levels: Vec<Level>,
+    pub levels: Vec<LevelFaces>,
     pub left_out: Vec<LeftOut>,
     /// The corners of the box of all faces, mm.
     pub bounds_mm: Option<[Point3<f64>; 2]>,
@@ -57,14 +57,15 @@ pub struct Face {
     pub is_reversed: bool,
     /// The bounds as the file has them. A whole sphere or torus may have none.
     pub loops: Vec<Loop>,
-    /// The bounds in the parameters of the surface, as polygons within 1e-3 of the size of their box. The first
-    /// goes round the face counterclockwise, the others are holes. Seams and poles are part of the polygons.
+    /// The bounds in the parameters of the surface, as polygons within 1e-3 of the size of their box. The
+    /// first goes round the face counterclockwise, the others are holes. Seams and poles are part of the
+    /// polygons.
     pub trim: Vec<Vec<[f64; 2]>>,
     /// The ranges of u and v that the trim covers.
     pub domain: [[f64; 2]; 2],
     /// The surface over the domain. Its points are points of the surface; its parameters are u and v at the
-    /// knots, and between the knots also for planes and splines. A plane with four straight sides is the ruled
-    /// patch of its corners.
+    /// knots, and between the knots also for planes and splines. A plane with four straight sides is the
+    /// ruled patch of its corners.
     pub nurbs: Nurbs,
     /// Whether the trim is the whole of [`Face::nurbs`], within 1e-6 mm.
     pub is_untrimmed: bool,
@@ -111,7 +112,7 @@ pub struct Hole {
 
 /// Plane faces of one height whose normal is along z.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Level {
+pub struct LevelFaces {
     pub height_mm: f64,
     /// Whether the side without material is above.
     pub is_up: bool,

@@ -1,9 +1,10 @@
 //! Surfaces as rational B-splines over a rectangle of their parameters.
 //!
 //! # Method
-//! A surface of revolution turns each control point of its profile: an arc of at most a quarter turn has three
-//! control points, the middle one farther out and with the cosine of half the arc as its weight. Cylinders, cones,
-//! spheres and tori are surfaces of revolution; planes and extrusions move a profile along a line.
+//! A surface of revolution turns each control point of its profile: an arc of at most a quarter turn has
+//! three control points, the middle one farther out and with the cosine of half the arc as its weight.
+//! Cylinders, cones, spheres and tori are surfaces of revolution; planes and extrusions move a profile along
+//! a line.
 //!
 //! # Guarantees
 //! Every point of the B-spline is a point of the surface, up to rounding.
@@ -19,8 +20,8 @@ use super::frame::Frame;
 use super::spline_surface::SplineSurface;
 use super::surface::Surface;
 
-/// The end of a rectangle within this part of the domain of a knot is moved to the knot: surfaces for milling have
-/// no shorter spans.
+/// The end of a rectangle within this part of the domain of a knot is moved to the knot: surfaces for milling
+/// have no shorter spans.
 pub const SNAP: f64 = 1e-6;
 
 /// A hyperbola's arc over one unit of its parameter is one span.
@@ -64,8 +65,8 @@ pub fn patch(corners: [Point3<f64>; 4]) -> Nurbs {
     Nurbs { degree: [1, 1], knots: [knots.clone(), knots], control_points, weights: None }
 }
 
-/// The ranges of a spline, with ends near a knot moved to the knot. A range over the joint of a closed surface
-/// becomes the whole domain.
+/// The ranges of a spline, with ends near a knot moved to the knot. A range over the joint of a closed
+/// surface becomes the whole domain.
 pub fn snapped(spline: &SplineSurface, domain: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let whole = spline.domain();
     [0, 1].map(|k| {
@@ -97,8 +98,8 @@ fn meridian(frame: &Frame, distance: f64, radius_mm: f64, range: [f64; 2]) -> Pr
     conic(range, FRAC_PI_2, |t, stretch| circle.origin + circle.radial(t) * (radius_mm * stretch), f64::cos)
 }
 
-/// The spans of an arc: `point(t, 1)` is on the arc, and `point(t, 1 / w)` is the control point before the arc's
-/// place t in the middle of a span, with the weight w of half the span.
+/// The spans of an arc: `point(t, 1)` is on the arc, and `point(t, 1 / w)` is the control point before the
+/// arc's place t in the middle of a span, with the weight w of half the span.
 fn conic(
     [from, to]: [f64; 2],
     longest: f64,

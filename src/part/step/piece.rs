@@ -2,15 +2,15 @@
 //!
 //! # Method
 //! 1. An edge is cut where it passes a pole of the surface, because its parameters jump there.
-//! 2. Each part is sampled from its start on, so finely that the parameters between two samples are nearly linear.
-//!    On a closed surface each sample is taken to the turn nearest to the sample before it.
+//! 2. Each part is sampled from its start on, so finely that the parameters between two samples are nearly
+//!    linear. On a closed surface each sample is taken to the turn nearest to the sample before it.
 
 use nalgebra::Point3;
 
 use super::curve::Curve;
-use super::foot::Foot;
 use super::model::Edge;
-use super::surface::{Pole, Surface};
+use super::parameter_search::ParameterSearch;
+use super::surface::{PolarSide, Surface};
 
 /// A curve passes a pole if it comes this near to it, mm.
 const AT_POLE_MM: f64 = 1e-5;
@@ -23,7 +23,7 @@ const DEEPEST: usize = 9;
 
 /// A part of a bound. The parameters are continuous.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Piece {
+pub enum BoundPiece {
     /// Part of an edge: pairs of the edge's parameter and the surface's parameters, at least 2.
     Curve { edge: usize, samples: Vec<Sample> },
     /// A straight line in the plane of the parameters: a seam, or a pole.
@@ -39,11 +39,11 @@ pub struct Sample {
 
 /// A piece with the poles at its start and its end.
 pub struct Part {
-    pub piece: Piece,
-    pub poles: [Option<Pole>; 2],
+    pub piece: BoundPiece,
+    pub poles: [Option<PolarSide>; 2],
 }
 
-impl Piece {
+impl BoundPiece {
     pub fn start(&self) -> [f64; 2] {
         match self {
             Self::Curve { samples, .. } => samples[0].at,
@@ -89,17 +89,17 @@ pub fn lift(value: f64, near: f64, period: Option<f64>) -> f64 {
 
 /// Samples the edges of one face.
 pub struct Sampler<'a> {
-    pub foot: &'a Foot<'a>,
-    pub poles: Vec<Pole>,
+    pub search: &'a ParameterSearch<'a>,
+    pub poles: Vec<PolarSide>,
     pub periods: [Option<f64>; 2],
     /// The polygon of samples may leave the edge by this much, mm.
     pub tolerance_mm: f64,
 }
 
 impl<'a> Sampler<'a> {
-    pub fn new(foot: &'a Foot<'a>, tolerance_mm: f64) -> Self {
-        let surface: &Surface = foot.surface;
-        Self { foot, poles: surface.poles(), periods: surface.periods(), tolerance_mm }
+    pub fn new(search: &'a ParameterSearch<'a>, tolerance_mm: f64) -> Self {
+        let surface: &Surface = search.surface;
+        Self { search, poles: surface.poles(), periods: surface.periods(), tolerance_mm }
     }
 
     /// The parts of an edge in its direction. None for an edge that is all at a pole.
@@ -113,17 +113,17 @@ impl<'a> Sampler<'a> {
             }
             let samples = self.samples(edge, range, poles, near);
             near = samples.last().map(|sample| sample.at);
-            parts.push(Part { piece: Piece::Curve { edge: number, samples }, poles });
+            parts.push(Part { piece: BoundPiece::Curve { edge: number, samples }, poles });
         }
         parts
     }
 
-    fn pole_at(&self, point: &Point3<f64>) -> Option<Pole> {
+    fn pole_at(&self, point: &Point3<f64>) -> Option<PolarSide> {
         self.poles.iter().copied().find(|pole| (pole.point - point).norm() <= AT_POLE_MM)
     }
 
     /// The ends of an edge, and the places between where it passes a pole.
-    fn cuts(&self, edge: &Edge) -> Vec<(f64, Option<Pole>)> {
+    fn cuts(&self, edge: &Edge) -> Vec<(f64, Option<PolarSide>)> {
         let [from, to] = [edge.from, edge.to];
         let mut cuts = vec![from];
         for pole in &self.poles {
@@ -148,7 +148,7 @@ impl<'a> Sampler<'a> {
         &self,
         edge: &Edge,
         [from, to]: [f64; 2],
-        poles: [Option<Pole>; 2],
+        poles: [Option<PolarSide>; 2],
         near: Option<[f64; 2]>,
     ) -> Vec<Sample> {
         let beside = BESIDE_POLE * (to - from);
@@ -159,7 +159,7 @@ impl<'a> Sampler<'a> {
         let last = if poles[1].is_some() { to - beside } else { to };
         // Near a pole a search finds any parameters: one that begins at the pole begins farther inside.
         let inside = places.first().filter(|_| poles[0].is_some()).map(|t| {
-            let free = self.foot.of(&edge.curve.point(*t), None);
+            let free = self.search.of(&edge.curve.point(*t), None);
             near.map_or(free, |near| [0, 1].map(|k| lift(free[k], near[k], self.periods[k])))
         });
         let mut samples = vec![Sample { t: first, at: self.place(edge, first, inside.or(near)) }];
@@ -181,7 +181,7 @@ impl<'a> Sampler<'a> {
 
     /// The parameters of a point of an edge, by whole periods nearest to `near`.
     pub fn place(&self, edge: &Edge, t: f64, near: Option<[f64; 2]>) -> [f64; 2] {
-        let at = self.foot.of(&edge.curve.point(t), near);
+        let at = self.search.of(&edge.curve.point(t), near);
         near.map_or(at, |near| [0, 1].map(|k| lift(at[k], near[k], self.periods[k])))
     }
 
@@ -194,7 +194,7 @@ impl<'a> Sampler<'a> {
         };
         let is_far = |k| jumps(k, [&a, &middle]) || jumps(k, [&middle, &b]);
         let between = [0, 1].map(|k| (a.at[k] + b.at[k]) / 2.0);
-        let bent = (self.foot.surface.point(between) - self.foot.surface.point(middle.at)).norm();
+        let bent = (self.search.surface.point(between) - self.search.surface.point(middle.at)).norm();
         if depth < DEEPEST && (is_far(0) || is_far(1) || bent > self.tolerance_mm) {
             self.refine(edge, [a, middle], depth + 1, samples);
             // The end is taken to the turn nearest to what is now before it.

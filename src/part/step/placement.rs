@@ -76,8 +76,8 @@ impl Geometry<'_> {
         frame.ok_or_else(|| instance.fault("the axis of the placement has no direction"))
     }
 
-    /// The frame of a placement or of a transformation operator, whether it mirrors by its own third axis, and its
-    /// scale.
+    /// The frame of a placement or of a transformation operator, whether it mirrors by its own third axis,
+    /// and its scale.
     pub fn target(&self, number: u32) -> Result<(Frame, f64), Unreadable> {
         let instance = self.source.get(number)?;
         if !instance.has("CARTESIAN_TRANSFORMATION_OPERATOR_3D") {

@@ -2,9 +2,10 @@
 //!
 //! # Method
 //! 1. Representations that a relation without a transformation joins are one node.
-//! 2. A relation with a transformation, or with a use in an assembly, places the node of the part in the node of
-//!    the assembly. A mapped item places the node that it maps.
-//! 3. The nodes that no other places are walked from the top, with the product of the similarities on the way.
+//! 2. A relation with a transformation, or with a use in an assembly, places the node of the part in the node
+//!    of the assembly. A mapped item places the node that it maps.
+//! 3. The nodes that no other places are walked from the top, with the product of the similarities on the
+//!    way.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -279,8 +280,8 @@ impl Graph<'_> {
         Ok(())
     }
 
-    /// Drops an item from nodes that stand alone and are no product, if another node has it, too. Beside products,
-    /// such nodes have faces, edges and texts of notes: there only bodies count.
+    /// Drops an item from nodes that stand alone and are no product, if another node has it, too. Beside
+    /// products, such nodes have faces, edges and texts of notes: there only bodies count.
     fn drop_repeated(&mut self) {
         let products: BTreeSet<u32> =
             self.of_products.iter().filter_map(|number| self.node_of.get(number)).copied().collect();

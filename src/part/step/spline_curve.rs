@@ -19,7 +19,8 @@ pub struct SplineCurve {
 }
 
 impl SplineCurve {
-    /// The curve of valid knots. It is closed if its ends meet within 1e-7 of the length of its control polygon.
+    /// The curve of valid knots. It is closed if its ends meet within 1e-7 of the length of its control
+    /// polygon.
     pub fn new(
         degree: usize,
         knots: Vec<f64>,

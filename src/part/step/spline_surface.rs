@@ -17,7 +17,8 @@ pub struct SplineSurface {
 }
 
 impl SplineSurface {
-    /// A surface of valid knots. It is closed where the control points of its ends meet within 1e-7 of the size.
+    /// A surface of valid knots. It is closed where the control points of its ends meet within 1e-7 of the
+    /// size.
     pub fn new(nurbs: Nurbs) -> Self {
         let mut surface = Self { nurbs, is_closed: [false; 2] };
         surface.is_closed = [0, 1].map(|along| {

@@ -8,11 +8,12 @@ use super::curve::Curve;
 use super::frame::{Frame, Placement};
 use super::spline_surface::SplineSurface;
 
-/// A point of a curve of revolution lies on the axis within this distance, mm. Kernels round to 1e-7 mm or better.
+/// A point of a curve of revolution lies on the axis within this distance, mm. Kernels round to 1e-7 mm or
+/// better.
 const ON_AXIS_MM: f64 = 1e-6;
 
-/// A surface with the parameters u and v of ISO 10303-42. Angles are radians, other parameters mm. The normal is
-/// the derivative along u times the derivative along v.
+/// A surface with the parameters u and v of ISO 10303-42. Angles are radians, other parameters mm. The normal
+/// is the derivative along u times the derivative along v.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Surface {
     /// `origin + u x + v y`.
@@ -35,8 +36,8 @@ pub enum Surface {
         frame: Frame,
         radius_mm: f64,
     },
-    /// `origin + (major + minor cos v) (cos u x + sin u y) + minor sin v z`. A torus whose minor radius is the
-    /// larger one cuts itself: `is_inner` tells which part is meant.
+    /// `origin + (major + minor cos v) (cos u x + sin u y) + minor sin v z`. A torus whose minor radius is
+    /// the larger one cuts itself: `is_inner` tells which part is meant.
     Torus {
         frame: Frame,
         major_radius_mm: f64,
@@ -57,9 +58,10 @@ pub enum Surface {
     Spline(SplineSurface),
 }
 
-/// A side of the parameters that is one point: the parameter `along` (0 for u, 1 for v) has the value `at` there.
+/// A side of the parameters that is one point: the parameter `along` (0 for u, 1 for v) has the value `at`
+/// there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pole {
+pub struct PolarSide {
     pub along: usize,
     pub at: f64,
     pub point: Point3<f64>,
@@ -144,9 +146,9 @@ impl Surface {
     }
 
     /// The sides that are one point.
-    pub fn poles(&self) -> Vec<Pole> {
-        let across_v = |values: Vec<f64>| -> Vec<Pole> {
-            values.into_iter().map(|at| Pole { along: 1, at, point: self.point([0.0, at]) }).collect()
+    pub fn poles(&self) -> Vec<PolarSide> {
+        let across_v = |values: Vec<f64>| -> Vec<PolarSide> {
+            values.into_iter().map(|at| PolarSide { along: 1, at, point: self.point([0.0, at]) }).collect()
         };
         match self {
             Self::Plane { .. } | Self::Cylinder { .. } | Self::Extrusion { .. } => Vec::new(),
@@ -255,7 +257,7 @@ fn lowest(value: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 }
 
 /// The sides of a spline surface whose control points are one point, within 1e-7 of the size.
-fn spline_poles(spline: &SplineSurface) -> Vec<Pole> {
+fn spline_poles(spline: &SplineSurface) -> Vec<PolarSide> {
     let (domain, size) = (spline.domain(), spline.size());
     let mut poles = Vec::new();
     for along in [0, 1] {
@@ -267,7 +269,7 @@ fn spline_poles(spline: &SplineSurface) -> Vec<Pole> {
             };
             let first = point(0);
             if (1..=16).all(|k| (point(k) - first).norm() <= 1e-7 * size) {
-                poles.push(Pole { along, at, point: first });
+                poles.push(PolarSide { along, at, point: first });
             }
         }
     }

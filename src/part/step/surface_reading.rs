@@ -14,8 +14,8 @@ use super::surface::Surface;
 /// How deep surfaces refer to surfaces.
 const DEEPEST: usize = 8;
 
-/// The least half angle of a cone, radians, and its least distance from a right angle. A cone of a smaller angle
-/// is a cylinder within 1e-6 mm over a metre.
+/// The least half angle of a cone, radians, and its least distance from a right angle. A cone of a smaller
+/// angle is a cylinder within 1e-6 mm over a metre.
 const LEAST_ANGLE: f64 = 1e-9;
 
 impl Geometry<'_> {

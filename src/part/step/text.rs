@@ -1,13 +1,13 @@
 //! The text of ISO 10303-21: values of one instance, from its bytes.
 //!
 //! # Guarantees
-//! A list is nested at most [`DEEPEST`] deep, and an instance has at most [`MOST_VALUES`] values. A number that
-//! is not finite is a fault.
+//! A list is nested at most [`DEEPEST`] deep, and an instance has at most [`MOST_VALUES`] values. A number
+//! that is not finite is a fault.
 
 use super::string::decode;
 
-/// The deepest nesting of lists and typed values. Schemas of products nest 4 deep; a reader without a limit would
-/// run out of stack.
+/// The deepest nesting of lists and typed values. Schemas of products nest 4 deep; a reader without a limit
+/// would run out of stack.
 pub const DEEPEST: usize = 16;
 
 /// The most values of one instance. A net of 1000 by 1000 control points has half of these.

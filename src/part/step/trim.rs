@@ -1,26 +1,27 @@
 //! The bounds of a face as closed loops in the plane of the parameters of its surface.
 //!
 //! # Method
-//! 1. The pieces of each loop are joined. At a pole the parameters go on along the side that is the pole, so that
-//!    the face lies to the left.
-//! 2. A loop that goes round a closed surface ends whole periods away from its start. Two such loops are joined by
-//!    a seam; a single one is closed at the pole that the face contains.
-//! 3. The other loops are the outer bound and holes. On a sphere or a torus a hole alone is a hole in the whole
-//!    surface.
+//! 1. The pieces of each loop are joined. At a pole the parameters go on along the side that is the pole, so
+//!    that the face lies to the left.
+//! 2. A loop that goes round a closed surface ends whole periods away from its start. Two such loops are
+//!    joined by a seam; a single one is closed at the pole that the face contains.
+//! 3. The other loops are the outer bound and holes. On a sphere or a torus a hole alone is a hole in the
+//!    whole surface.
 //!
 //! # Degenerate input
 //! Where a surface is not closed, bounds in the wrong direction are turned round.
 
-use super::foot::Foot;
 use super::model::Edge;
-use super::piece::{Part, Piece, Sampler, lift};
-use super::surface::{Pole, Surface};
+use super::parameter_search::ParameterSearch;
+use super::piece::{BoundPiece, Part, Sampler, lift};
+use super::surface::{PolarSide, Surface};
 
 /// Two edges of a loop may be this far apart, mm, and this part of the size of the face.
 const GAP_MM: f64 = 0.05;
 const GAP_SHARE: f64 = 1e-3;
 
-/// A jump at a pole of less than this part of a period is a whole period: the face lies on both sides of a seam.
+/// A jump at a pole of less than this part of a period is a whole period: the face lies on both sides of a
+/// seam.
 const NO_JUMP: f64 = 1e-7;
 
 /// The polygon of a bound may leave it by this part of the size of the face.
@@ -29,12 +30,12 @@ const POLYGON_SHARE: f64 = 5e-4;
 /// A closed loop of pieces, with how often it goes round along u and v.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<BoundPiece>,
     pub turns: [i32; 2],
 }
 
-/// The loops of a face in the plane of the parameters. The first goes round the face counterclockwise, unless the
-/// face is several; the others are holes.
+/// The loops of a face in the plane of the parameters. The first goes round the face counterclockwise, unless
+/// the face is several; the others are holes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trim {
     pub chains: Vec<Chain>,
@@ -45,8 +46,8 @@ impl Trim {
     ///
     /// # Errors
     /// Why the loops bound no face, as a clause.
-    pub fn of(foot: &Foot, loops: &[&[Edge]], size_mm: f64) -> Result<Self, &'static str> {
-        let sampler = Sampler::new(foot, POLYGON_SHARE * size_mm);
+    pub fn of(search: &ParameterSearch, loops: &[&[Edge]], size_mm: f64) -> Result<Self, &'static str> {
+        let sampler = Sampler::new(search, POLYGON_SHARE * size_mm);
         let mut first = 0;
         let mut closed = Vec::new();
         let mut turning = Vec::new();
@@ -70,7 +71,7 @@ impl Trim {
             }
             _ => return Err("its bounds go round the surface more than twice"),
         }
-        arrange(foot.surface, &mut chains, closed)?;
+        arrange(search.surface, &mut chains, closed)?;
         shift_holes(&sampler, &mut chains);
         Ok(Self { chains })
     }
@@ -79,7 +80,7 @@ impl Trim {
 impl Chain {
     /// All places, from sample to sample.
     pub fn polygon(&self) -> Vec<[f64; 2]> {
-        let mut places: Vec<[f64; 2]> = self.pieces.iter().flat_map(Piece::places).collect();
+        let mut places: Vec<[f64; 2]> = self.pieces.iter().flat_map(BoundPiece::places).collect();
         places.dedup();
         places
     }
@@ -101,7 +102,7 @@ impl Chain {
 
     fn reverse(&mut self) {
         self.pieces.reverse();
-        self.pieces.iter_mut().for_each(Piece::reverse);
+        self.pieces.iter_mut().for_each(BoundPiece::reverse);
         self.turns = self.turns.map(|n| -n);
     }
 
@@ -114,14 +115,14 @@ impl Chain {
         for place in places {
             let end = self.end();
             if end != *place {
-                self.pieces.push(Piece::Straight([end, *place]));
+                self.pieces.push(BoundPiece::Straight([end, *place]));
             }
         }
     }
 
     /// The least and the largest value of a parameter.
     fn range(&self, along: usize) -> [f64; 2] {
-        let values = self.pieces.iter().flat_map(Piece::places).map(|place| place[along]);
+        let values = self.pieces.iter().flat_map(BoundPiece::places).map(|place| place[along]);
         values.fold([f64::MAX, f64::MIN], |[low, high], value| [low.min(value), high.max(value)])
     }
 
@@ -177,9 +178,9 @@ fn chain(
     Ok(Some(chain))
 }
 
-/// Where a chain that ends at a pole goes on, if the next piece begins at `to`: along the side of the pole, with
-/// the face to the left.
-fn across_pole(sampler: &Sampler, pole: &Pole, chain: &Chain, to: [f64; 2]) -> [f64; 2] {
+/// Where a chain that ends at a pole goes on, if the next piece begins at `to`: along the side of the pole,
+/// with the face to the left.
+fn across_pole(sampler: &Sampler, pole: &PolarSide, chain: &Chain, to: [f64; 2]) -> [f64; 2] {
     let from = chain.end();
     let other = 1 - pole.along;
     let mut target = to;
@@ -209,8 +210,8 @@ fn closed_at_pole(sampler: &Sampler, mut chain: Chain) -> Result<Chain, &'static
     };
     let other = 1 - along;
     let range = chain.range(other);
-    let poles: Vec<&Pole> = sampler.poles.iter().filter(|pole| pole.along == other).collect();
-    let is_on = |pole: &Pole, upper: bool| if upper { pole.at >= range[1] } else { pole.at <= range[0] };
+    let poles: Vec<&PolarSide> = sampler.poles.iter().filter(|pole| pole.along == other).collect();
+    let is_on = |pole: &PolarSide, upper: bool| if upper { pole.at >= range[1] } else { pole.at <= range[0] };
     // To the left of growing u is higher v; to the left of growing v is lower u.
     let upper = (turn > 0) == (along == 0);
     let pole = match poles.iter().find(|pole| is_on(pole, upper)) {
@@ -308,7 +309,7 @@ fn rectangle(domain: [[f64; 2]; 2], hole: Option<[[f64; 2]; 2]>, periods: [Optio
         _ => domain[k],
     });
     let corners = [[u[0], v[0]], [u[1], v[0]], [u[1], v[1]], [u[0], v[1]]];
-    let sides = (0..4).map(|k| Piece::Straight([corners[k], corners[(k + 1) % 4]]));
+    let sides = (0..4).map(|k| BoundPiece::Straight([corners[k], corners[(k + 1) % 4]]));
     Chain { pieces: sides.collect(), turns: [0, 0] }
 }
 

@@ -4,7 +4,7 @@ use toolpathd_core::geometry::surface::Surface as _;
 
 use super::writer::{UP, Writer};
 use crate::step::Face;
-use crate::step::foot::Foot;
+use crate::step::parameter_search::ParameterSearch;
 
 /// A plane face at a height, counterclockwise seen from above.
 pub fn level(w: &mut Writer, bounds: &[usize], height: f64) -> usize {
@@ -25,7 +25,8 @@ pub fn ring(w: &mut Writer, radius: f64, height: f64) -> usize {
     w.circle(frame, radius, [radius, 0.0, height])
 }
 
-/// The wall of a cylinder about the z axis between two heights, with no seam. Seen from inside if it is a hole.
+/// The wall of a cylinder about the z axis between two heights, with no seam. Seen from inside if it is a
+/// hole.
 pub fn wall(w: &mut Writer, radius: f64, rings: [usize; 2], is_hole: bool) -> usize {
     let frame = w.upright([0.0; 3]);
     let cylinder = w.add(format!("CYLINDRICAL_SURFACE('',#{frame},{radius:?})"));
@@ -49,12 +50,12 @@ pub fn sphere(w: &mut Writer, radius: f64) -> usize {
 pub fn check(face: &Face, area: f64) {
     assert!((face.area_mm2 / area - 1.0).abs() < 1e-9, "the area is {}, not {area}", face.area_mm2);
     let surface = face.nurbs.surface().unwrap();
-    let foot = Foot::new(&face.surface);
+    let search = ParameterSearch::new(&face.surface);
     let [nu, nv] = surface.spans();
     for k in 0..40 {
         let place = |n: usize, step: f64| n as f64 * (f64::from(k) * step).fract();
         let point = surface.jet(place(nu, 0.618), place(nv, 0.445)).point;
-        let miss = foot.miss(&point, foot.of(&point, None));
+        let miss = search.miss(&point, search.of(&point, None));
         assert!(miss < 1e-9, "{point} is {miss:e} mm from the surface");
         if face.is_untrimmed {
             let [low, high] = face.bounds_mm;

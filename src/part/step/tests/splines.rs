@@ -109,7 +109,7 @@ fn a_closed_spline_with_poles_needs_no_bounds() {
         })
         .collect();
     let net = net(&mut w, &rows);
-    let weight = |k: usize| if k % 2 == 0 { 1.0 } else { 0.5_f64.sqrt() };
+    let weight = |k: usize| if k.is_multiple_of(2) { 1.0 } else { 0.5_f64.sqrt() };
     let row = |i: usize| {
         let weights: Vec<String> = (0..5).map(|j| format!("{:?}", weight(i) * weight(j))).collect();
         format!("({})", weights.join(","))

@@ -18,12 +18,12 @@ const BEST_SEEDS: usize = 5;
 const STEPS: usize = 30;
 
 /// Finds parameters of points of one surface.
-pub struct Foot<'a> {
+pub struct ParameterSearch<'a> {
     pub surface: &'a Surface,
     seeds: OnceCell<Vec<([f64; 2], Point3<f64>)>>,
 }
 
-impl<'a> Foot<'a> {
+impl<'a> ParameterSearch<'a> {
     pub fn new(surface: &'a Surface) -> Self {
         Self { surface, seeds: OnceCell::new() }
     }

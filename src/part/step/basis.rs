@@ -44,11 +44,10 @@ pub fn functions(
     let mut slopes = [0.0; MAX_DEGREE + 1];
     values[0] = 1.0;
     for p in 1..=degree {
-        let below = values;
         let mut carried = 0.0;
         for k in 0..p {
             let (low, high) = (knots[i + 1 + k - p], knots[i + 1 + k]);
-            let share = below[k] / (high - low);
+            let share = values[k] / (high - low);
             values[k] = carried + (high - t) * share;
             carried = (t - low) * share;
             if p == degree {

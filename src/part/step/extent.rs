@@ -18,6 +18,9 @@ use super::trim::{Chain, Trim};
 /// The least number of places along each parameter from which extremes are searched.
 const GRID: usize = 8;
 
+/// From how many places of the grid extremes are searched.
+const MOST_TOPS: usize = 6;
+
 /// Bisections for the place of an extreme: 1e-12 of the distance of two samples.
 const BISECTIONS: usize = 40;
 
@@ -183,42 +186,64 @@ fn extremes(
             let all = [[u, v], [u + PI, -v], [u, v + PI], [u + PI, PI - v]];
             all.map(|[u, v]| [u.rem_euclid(TAU), v]).to_vec()
         }
-        Surface::Revolution { .. } | Surface::Spline(_) => searched(surface, axis, domain, is_inside),
+        Surface::Revolution { .. } | Surface::Spline(_) => {
+            let search = Search { surface, axis, domain, is_inside };
+            [1.0, -1.0].into_iter().flat_map(|sign| search.highest(sign)).collect()
+        }
     }
 }
 
-/// The least and the largest places of a grid within the trim, improved by steps of half the size.
-fn searched(
-    surface: &Surface,
-    axis: &Vector3<f64>,
+/// A search for the places of a face that are farthest along an axis.
+struct Search<'a, F> {
+    surface: &'a Surface,
+    axis: &'a Vector3<f64>,
     domain: [[f64; 2]; 2],
-    is_inside: impl Fn(&[f64; 2]) -> bool,
-) -> Vec<[f64; 2]> {
-    let counts = match surface {
-        Surface::Spline(spline) => [0, 1].map(|k| (2 * spline.breaks(k).len()).clamp(GRID, 200)),
-        _ => [2 * GRID, 4 * GRID],
-    };
-    let steps = [0, 1].map(|k| (domain[k][1] - domain[k][0]) / counts[k] as f64);
-    let height = |at: [f64; 2]| surface.point(at).coords.dot(axis);
-    let grid: Vec<([f64; 2], f64)> = (0..=counts[0])
-        .flat_map(|i| (0..=counts[1]).map(move |j| [i as f64, j as f64]))
-        .map(|k| [domain[0][0] + k[0] * steps[0], domain[1][0] + k[1] * steps[1]])
-        .filter(&is_inside)
-        .map(|at| (at, height(at)))
-        .collect();
-    let mut found = Vec::new();
-    for sign in [1.0, -1.0] {
-        let Some((start, value)) = grid.iter().max_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1))) else {
-            continue;
+    is_inside: F,
+}
+
+impl<F: Fn(&[f64; 2]) -> bool> Search<'_, F> {
+    fn height(&self, at: [f64; 2]) -> f64 {
+        self.surface.point(at).coords.dot(self.axis)
+    }
+
+    /// Places from which no step leads higher: the best of those that the highest places of a grid lead to.
+    fn highest(&self, sign: f64) -> Vec<[f64; 2]> {
+        let counts = match self.surface {
+            Surface::Spline(spline) => [0, 1].map(|k| (2 * spline.breaks(k).len()).clamp(GRID, 200)),
+            _ => [2 * GRID, 4 * GRID],
         };
-        let (mut at, mut best, mut step) = (*start, sign * value, steps);
+        let steps = [0, 1].map(|k| (self.domain[k][1] - self.domain[k][0]) / counts[k] as f64);
+        let place = |i: usize, j: usize| {
+            [self.domain[0][0] + i as f64 * steps[0], self.domain[1][0] + j as f64 * steps[1]]
+        };
+        let value = |i: usize, j: usize| {
+            let at = place(i, j);
+            if (self.is_inside)(&at) { sign * self.height(at) } else { f64::NEG_INFINITY }
+        };
+        let values: Vec<Vec<f64>> =
+            (0..=counts[0]).map(|i| (0..=counts[1]).map(|j| value(i, j)).collect()).collect();
+        let is_top = |i: usize, j: usize| {
+            let rows = values[i.saturating_sub(1)..].iter().take(if i == 0 { 2 } else { 3 });
+            let mut around =
+                rows.flat_map(|row| row[j.saturating_sub(1)..].iter().take(if j == 0 { 2 } else { 3 }));
+            values[i][j].is_finite() && around.all(|other| *other <= values[i][j])
+        };
+        let cells = (0..=counts[0]).flat_map(|i| (0..=counts[1]).map(move |j| (i, j)));
+        let mut tops: Vec<(usize, usize)> = cells.filter(|(i, j)| is_top(*i, *j)).collect();
+        tops.sort_by(|a, b| values[b.0][b.1].total_cmp(&values[a.0][a.1]));
+        tops.into_iter().take(MOST_TOPS).map(|(i, j)| self.climb(place(i, j), steps, sign)).collect()
+    }
+
+    /// Steps along u or v as long as they lead higher, then steps of half the size.
+    fn climb(&self, start: [f64; 2], steps: [f64; 2], sign: f64) -> [f64; 2] {
+        let (mut at, mut best, mut step) = (start, sign * self.height(start), steps);
         for _ in 0..HALVINGS {
             for _ in 0..4 {
                 let [du, dv] = step;
                 let next = [[du, 0.0], [-du, 0.0], [0.0, dv], [0.0, -dv]]
                     .map(|by| [at[0] + by[0], at[1] + by[1]])
-                    .map(|at| (at, sign * height(at)));
-                let next = next.into_iter().filter(|(at, _)| is_inside(at));
+                    .map(|at| (at, sign * self.height(at)));
+                let next = next.into_iter().filter(|(at, _)| (self.is_inside)(at));
                 match next.max_by(|a, b| a.1.total_cmp(&b.1)) {
                     Some((place, value)) if value > best => (at, best) = (place, value),
                     _ => break,
@@ -226,7 +251,6 @@ fn searched(
             }
             step = step.map(|s| s / 2.0);
         }
-        found.push(at);
+        at
     }
-    found
 }

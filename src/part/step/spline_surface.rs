@@ -8,6 +8,9 @@ use super::basis::{breaks, functions, span};
 /// Steps of the search for the nearest point. It squares the error at each step near a point of the surface.
 const STEPS: usize = 40;
 
+/// The search ends with a step of at most this part of the domain.
+const LAST_STEP: f64 = 1e-10;
+
 /// A valid B-spline surface, with what is asked of it often.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SplineSurface {
@@ -119,6 +122,13 @@ impl SplineSurface {
         for _ in 0..STEPS {
             let miss = point - here;
             let step = newton_step(&du, &dv, &miss);
+            let parts = [0, 1].map(|k| step[k].abs() / (domain[k][1] - domain[k][0]));
+            if parts.iter().all(|part| *part <= LAST_STEP) {
+                // The error after this step is far below rounding.
+                at = [0, 1].map(|k| self.inside(k, at[k] + step[k]));
+                here = self.jet(at).0;
+                break;
+            }
             let mut share = 1.0;
             let next = loop {
                 let next = [0, 1].map(|k| self.inside(k, at[k] + step[k] * share));
@@ -128,13 +138,13 @@ impl SplineSurface {
                 }
                 share *= 0.5;
             };
-            let moved = [0, 1].map(|k| (next.0[k] - at[k]).abs() / (domain[k][1] - domain[k][0]));
+            let is_stuck = next.0 == at;
             if (point - next.1.0).norm_squared() > miss.norm_squared() {
                 break;
             }
             at = next.0;
             (here, du, dv) = next.1;
-            if moved.iter().all(|part| *part <= 1e-15) {
+            if is_stuck {
                 break;
             }
         }

@@ -17,18 +17,18 @@ use super::spline_surface::{SplineSurface, newton_step};
 use super::surface::Surface;
 use super::trim::Trim;
 
-/// The error of one interval of integration, as a part of the square of the size of the face.
-const SHARE: f64 = 1e-12;
+/// The difference of two rules in one interval of integration, as a part of a rough area. The error of the
+/// better rule is some 1000 times smaller where the surface is smooth.
+const SHARE: f64 = 1e-8;
 
-/// The same for trimmed splines, whose field is costly.
-const SPLINE_SHARE: f64 = 1e-9;
+/// The same as a part of the square of the size of the face, which counts for slivers without an area.
+const LEAST_SHARE: f64 = 1e-12;
 
 /// The area within a trim, mm2.
 pub fn trimmed(sampler: &Sampler, trim: &Trim, edges: &[Edge], size_mm: f64) -> f64 {
     let surface = sampler.search.surface;
     let start = trim.chains[0].pieces[0].start();
-    let share = if matches!(surface, Surface::Spline(_)) { SPLINE_SHARE } else { SHARE };
-    let tolerance = share * size_mm * size_mm;
+    let tolerance = f64::max(SHARE * rough(surface, trim), LEAST_SHARE * size_mm * size_mm);
     let mut sum = 0.0;
     for piece in trim.chains.iter().flat_map(|chain| &chain.pieces) {
         match piece {
@@ -49,6 +49,18 @@ pub fn trimmed(sampler: &Sampler, trim: &Trim, edges: &[Edge], size_mm: f64) -> 
         }
     }
     sum
+}
+
+/// The area of the polygons in parameters with the largest density at some of their corners, mm2.
+fn rough(surface: &Surface, trim: &Trim) -> f64 {
+    let area: f64 = trim.chains.iter().map(|chain| chain.polygon_area()).sum();
+    let places: Vec<[f64; 2]> = trim.chains.iter().flat_map(|chain| chain.polygon()).collect();
+    let some = places.iter().step_by(1 + places.len() / 16);
+    let density = |at: &[f64; 2]| {
+        let (_, du, dv) = surface.jet(*at);
+        du.cross(&dv).norm()
+    };
+    area.abs() * some.map(density).fold(0.0, f64::max)
 }
 
 /// The field along an edge, per unit of the edge's parameter.

@@ -101,9 +101,9 @@ pub fn read(bytes: &[u8], budget: &Budget) -> Result<Model, Unreadable> {
         model.is_unit_stated = item.units.has_length;
     }
     for (item, shells) in &placed {
-        budget.check()?;
-        add_body(&mut model, item, shells, &faces)?;
+        add_body(&mut model, item, shells, &faces, budget)?;
     }
+    budget.check()?;
     model.bounds_mm = whole_box(&model.faces);
     model.holes = features::holes(&model.bodies, &model.faces);
     model.levels = features::levels(&model.faces);
@@ -184,12 +184,12 @@ fn distinct_faces(
         budget.check()?;
         budget.progress("faces", k, n);
         let (number, units) = wanted[k];
-        let outline = match (Geometry { source, units }).face(number) {
-            Ok(outline) => outline,
-            Err(Refusal::File(unreadable)) => return Err(unreadable),
-            Err(Refusal::Shape(omission)) => return Ok(Err(omission)),
-        };
-        Ok(face_building::face(outline))
+        let outline = (Geometry { source, units }).face(number);
+        match outline.and_then(|outline| face_building::face(outline, budget)) {
+            Ok(face) => Ok(Ok(face)),
+            Err(Refusal::Shape(omission)) => Ok(Err(omission)),
+            Err(Refusal::File(unreadable)) => Err(unreadable),
+        }
     };
     let mut faces = BTreeMap::new();
     for ((number, units), face) in wanted.iter().zip(budget.in_order(n, read)?) {
@@ -206,9 +206,11 @@ fn add_body(
     item: &PlacedItem,
     shells: &Shells,
     faces: &BTreeMap<Key, Face>,
+    budget: &Budget,
 ) -> Result<(), Unreadable> {
     let first = model.faces.len();
     for (number, is_turned) in &shells.faces {
+        budget.check()?;
         let Some(face) = faces.get(&(*number, scale(item).to_bits())) else { continue };
         let mut copy = face_building::placed(face, &item.by.placement, model.bodies.len());
         copy.is_reversed ^= is_turned;

@@ -10,6 +10,8 @@
 //! the surface for each 3 knot spans along v and node; an untrimmed spline is integrated span by span
 //! instead.
 
+use toolpathd_core::budget::{Budget, Stopped};
+
 use super::gauss::{adaptive, once};
 use super::model::Edge;
 use super::piece::{BoundPiece, Sample, Sampler};
@@ -25,7 +27,16 @@ const SHARE: f64 = 1e-8;
 const LEAST_SHARE: f64 = 1e-12;
 
 /// The area within a trim, mm2.
-pub fn trimmed(sampler: &Sampler, trim: &Trim, edges: &[Edge], size_mm: f64) -> f64 {
+///
+/// # Errors
+/// The budget has ended.
+pub fn trimmed(
+    sampler: &Sampler,
+    trim: &Trim,
+    edges: &[Edge],
+    size_mm: f64,
+    budget: &Budget,
+) -> Result<f64, Stopped> {
     let surface = sampler.search.surface;
     let start = trim.chains[0].pieces[0].start();
     let tolerance = f64::max(SHARE * rough(surface, trim), LEAST_SHARE * size_mm * size_mm);
@@ -41,6 +52,7 @@ pub fn trimmed(sampler: &Sampler, trim: &Trim, edges: &[Edge], size_mm: f64) -> 
             }
             BoundPiece::Curve { edge, samples } => {
                 for pair in samples.windows(2).filter(|pair| pair[0].t != pair[1].t) {
+                    budget.check()?;
                     sum += adaptive(pair[0].t, pair[1].t, tolerance, &mut |t| {
                         along(sampler, &edges[*edge], [&pair[0], &pair[1]], t, start)
                     });
@@ -48,7 +60,7 @@ pub fn trimmed(sampler: &Sampler, trim: &Trim, edges: &[Edge], size_mm: f64) -> 
             }
         }
     }
-    sum
+    Ok(sum)
 }
 
 /// The area of the polygons in parameters with the largest density at some of their corners, mm2.
@@ -129,11 +141,15 @@ fn crossed(spline: &SplineSurface, along: usize, [from, to]: [f64; 2]) -> Vec<f6
 }
 
 /// The area of a spline over a rectangle of parameters, mm2.
-pub fn rectangle(spline: &SplineSurface, domain: [[f64; 2]; 2]) -> f64 {
+///
+/// # Errors
+/// The budget has ended.
+pub fn rectangle(spline: &SplineSurface, domain: [[f64; 2]; 2], budget: &Budget) -> Result<f64, Stopped> {
     let [us, vs] = [0, 1].map(|along| crossed(spline, along, domain[along]));
     let mut cells = Vec::new();
     let mut sum = 0.0;
     for u in us.windows(2) {
+        budget.check()?;
         for v in vs.windows(2) {
             let cell = [[u[0], u[1]], [v[0], v[1]]];
             let area = cell_area(spline, cell);
@@ -146,6 +162,7 @@ pub fn rectangle(spline: &SplineSurface, domain: [[f64; 2]; 2]) -> f64 {
         let tolerance = 1e-9 * sum / cells.len().max(1) as f64;
         let mut divided = Vec::new();
         for (cell, area) in cells {
+            budget.check()?;
             let quarters = quarters(cell).map(|cell| (cell, cell_area(spline, cell)));
             let finer: f64 = quarters.iter().map(|(_, area)| area).sum();
             sum += finer - area;
@@ -155,7 +172,7 @@ pub fn rectangle(spline: &SplineSurface, domain: [[f64; 2]; 2]) -> f64 {
         }
         cells = divided;
     }
-    sum
+    Ok(sum)
 }
 
 fn quarters([u, v]: [[f64; 2]; 2]) -> [[[f64; 2]; 2]; 4] {

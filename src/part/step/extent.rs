@@ -18,6 +18,12 @@ use super::trim::{Chain, Trim};
 /// The least number of places along each parameter from which extremes are searched.
 const GRID: usize = 8;
 
+/// The most places along each parameter.
+const FINEST_GRID: usize = 200;
+
+/// How often a place of the grid is compared with a side of the bounds: some 0.1 s.
+const MOST_TESTS: usize = 10_000_000;
+
 /// From how many places of the grid extremes are searched.
 const MOST_TOPS: usize = 6;
 
@@ -151,6 +157,7 @@ pub fn face_box(
     let periods = surface.periods();
     let places = polygons.iter().flatten();
     places.for_each(|at| corners.add(&surface.point(*at)));
+    let n_corners = polygons.iter().map(Vec::len).sum();
     for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
         // A place on a side of the rectangle of parameters counts as inside.
         let is_inside = |at: &[f64; 2]| {
@@ -161,7 +168,7 @@ pub fn face_box(
             });
             contains(polygons, domain, periods, beside)
         };
-        let found = extremes(surface, &axis, domain, is_inside);
+        let found = extremes(surface, &axis, domain, n_corners, is_inside);
         found.into_iter().filter(is_inside).for_each(|at| corners.add(&surface.point(at)));
     }
     corners.0
@@ -172,6 +179,7 @@ fn extremes(
     surface: &Surface,
     axis: &Vector3<f64>,
     domain: [[f64; 2]; 2],
+    n_corners: usize,
     is_inside: impl Fn(&[f64; 2]) -> bool,
 ) -> Vec<[f64; 2]> {
     match surface {
@@ -187,7 +195,8 @@ fn extremes(
             all.map(|[u, v]| [u.rem_euclid(TAU), v]).to_vec()
         }
         Surface::Revolution { .. } | Surface::Spline(_) => {
-            let search = Search { surface, axis, domain, is_inside };
+            let most = (MOST_TESTS / n_corners.max(1)).isqrt().clamp(GRID, FINEST_GRID);
+            let search = Search { surface, axis, domain, most, is_inside };
             [1.0, -1.0].into_iter().flat_map(|sign| search.highest(sign)).collect()
         }
     }
@@ -198,6 +207,8 @@ struct Search<'a, F> {
     surface: &'a Surface,
     axis: &'a Vector3<f64>,
     domain: [[f64; 2]; 2],
+    /// The most places of the grid along u and along v.
+    most: usize,
     is_inside: F,
 }
 
@@ -209,8 +220,8 @@ impl<F: Fn(&[f64; 2]) -> bool> Search<'_, F> {
     /// Places from which no step leads higher: the best of those that the highest places of a grid lead to.
     fn highest(&self, sign: f64) -> Vec<[f64; 2]> {
         let counts = match self.surface {
-            Surface::Spline(spline) => [0, 1].map(|k| (2 * spline.breaks(k).len()).clamp(GRID, 200)),
-            _ => [2 * GRID, 4 * GRID],
+            Surface::Spline(spline) => [0, 1].map(|k| (2 * spline.breaks(k).len()).clamp(GRID, self.most)),
+            _ => [2 * GRID, 4 * GRID].map(|n| n.min(self.most)),
         };
         let steps = [0, 1].map(|k| (self.domain[k][1] - self.domain[k][0]) / counts[k] as f64);
         let place = |i: usize, j: usize| {

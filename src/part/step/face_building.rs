@@ -1,6 +1,7 @@
 //! Faces from their outlines: trim, area, box and B-spline.
 
 use nalgebra::Point3;
+use toolpathd_core::budget::Budget;
 
 use super::area;
 use super::curve::Curve;
@@ -11,7 +12,7 @@ use super::model::{Edge, Face, Loop};
 use super::nurbs_form;
 use super::parameter_search::ParameterSearch;
 use super::piece::{BoundPiece, Sampler};
-use super::refusal::Omission;
+use super::refusal::Refusal;
 use super::surface::Surface;
 use super::trim::Trim;
 
@@ -28,11 +29,11 @@ const STRAIGHT: f64 = 1e-9;
 /// The face of an outline, with its place among the bodies left open.
 ///
 /// # Errors
-/// The outline bounds no face.
-pub fn face(outline: FaceOutline) -> Result<Face, Omission> {
+/// The outline bounds no face, or the budget has ended.
+pub fn face(outline: FaceOutline, budget: &Budget) -> Result<Face, Refusal> {
     let FaceOutline { entity, name, surface, is_reversed, loops } = outline;
-    let refuse =
-        |reason: &str| Omission { kind: "ADVANCED_FACE".to_owned(), reason: reason.to_owned(), entity };
+    let refuse = |reason: &str| Refusal::shape("ADVANCED_FACE", reason, entity);
+    budget.check()?;
     let directed: Vec<Vec<Edge>> = loops.iter().map(|one| directed(one, is_reversed)).collect();
     let edges: Vec<Edge> = directed.concat();
     let size_mm = size(&surface, &edges);
@@ -61,8 +62,8 @@ pub fn face(outline: FaceOutline) -> Result<Face, Omission> {
     };
     let is_whole = is_whole(&surface, &trim, covered, domain);
     let area_mm2 = match &surface {
-        Surface::Spline(spline) if is_whole => area::rectangle(spline, domain),
-        _ => area::trimmed(&sampler, &trim, &edges, size_mm),
+        Surface::Spline(spline) if is_whole => area::rectangle(spline, domain, budget)?,
+        _ => area::trimmed(&sampler, &trim, &edges, size_mm, budget)?,
     };
     if !(area_mm2 > 0.0 && area_mm2.is_finite()) {
         return Err(refuse("its bounds enclose no area"));

@@ -23,6 +23,10 @@ const SAME_MM: f64 = 1e-4;
 /// Directions whose sine differs by less are the same.
 const SAME_DIRECTION: f64 = 1e-6;
 
+/// Axes and radii are compared with those of near cells of this size, mm: far more than the same axis may differ
+/// over a part of some metres.
+const CELL_MM: f64 = 0.1;
+
 /// Heights of levels that differ by less are the same, mm.
 const SAME_HEIGHT_MM: f64 = 1e-6;
 
@@ -60,6 +64,7 @@ pub fn holes(bodies: &[Body], faces: &[Face]) -> Vec<Hole> {
 /// Walls with one axis and one radius that overlap or meet along the axis.
 fn groups(faces: &[Face], body: &Body) -> Vec<Vec<Wall>> {
     let mut alike: Vec<Vec<Wall>> = Vec::new();
+    let mut by_cell: BTreeMap<[i64; 4], Vec<usize>> = BTreeMap::new();
     for number in body.faces.clone() {
         let face = &faces[number];
         let Surface::Cylinder { frame, radius_mm } = &face.surface else { continue };
@@ -67,13 +72,18 @@ fn groups(faces: &[Face], body: &Body) -> Vec<Vec<Wall>> {
             continue;
         }
         let wall = |base, range| Wall { face: number, base, radius_mm: *radius_mm, range };
-        match alike.iter_mut().find(|walls| is_alike(&walls[0], frame, *radius_mm)) {
-            Some(walls) => {
-                let base = walls[0].base;
+        let cell = cell(frame, *radius_mm);
+        let near = around(cell).filter_map(|cell| by_cell.get(&cell)).flatten().copied();
+        match near.into_iter().find(|k| is_alike(&alike[*k][0], frame, *radius_mm)) {
+            Some(k) => {
+                let base = alike[k][0].base;
                 let ends = face.domain[1].map(|v| (frame.origin + frame.z * v - base.origin).dot(&base.z));
-                walls.push(wall(base, [ends[0].min(ends[1]), ends[0].max(ends[1])]));
+                alike[k].push(wall(base, [ends[0].min(ends[1]), ends[0].max(ends[1])]));
             }
-            None => alike.push(vec![wall(*frame, face.domain[1])]),
+            None => {
+                by_cell.entry(cell).or_default().push(alike.len());
+                alike.push(vec![wall(*frame, face.domain[1])]);
+            }
         }
     }
     let mut groups = Vec::new();
@@ -92,6 +102,21 @@ fn groups(faces: &[Face], body: &Body) -> Vec<Vec<Wall>> {
     }
     groups.sort_by_key(|walls| walls.iter().map(|wall| wall.face).min());
     groups
+}
+
+/// The cell of an axis and a radius: of the axis, its point nearest to the origin counts.
+fn cell(frame: &Frame, radius_mm: f64) -> [i64; 4] {
+    let origin = frame.origin.coords;
+    let nearest = origin - frame.z * origin.dot(&frame.z);
+    [nearest.x, nearest.y, nearest.z, radius_mm].map(|x| (x / CELL_MM).floor() as i64)
+}
+
+/// A cell and its neighbours.
+fn around(cell: [i64; 4]) -> impl Iterator<Item = [i64; 4]> {
+    (0..81).map(move |k| {
+        let step = |k: i64, power: i64| k / power % 3 - 1;
+        [0, 1, 2, 3].map(|m| cell[m].saturating_add(step(k, [1, 3, 9, 27][m])))
+    })
 }
 
 fn is_alike(wall: &Wall, frame: &Frame, radius_mm: f64) -> bool {
@@ -231,30 +256,28 @@ fn goes_round(faces: &[Face], walls: &[Wall]) -> bool {
     covered.iter().all(|is_covered| *is_covered)
 }
 
-/// Plane faces with a normal along z, by height.
+/// Plane faces with a normal along z, by height from the top down.
 pub fn levels(faces: &[Face]) -> Vec<LevelFaces> {
-    let mut levels: Vec<LevelFaces> = Vec::new();
+    let mut found: Vec<(bool, f64, usize)> = Vec::new();
     for (number, face) in faces.iter().enumerate() {
         let Surface::Plane { frame } = &face.surface else { continue };
-        if frame.z.xy().norm() > SAME_DIRECTION {
-            continue;
-        }
-        // A mirrored frame is left-handed: its normal is x times y.
-        let is_up = (frame.x.cross(&frame.y).z > 0.0) != face.is_reversed;
-        let height_mm = (face.bounds_mm[0].z + face.bounds_mm[1].z) / 2.0;
-        let is_same = |level: &&mut LevelFaces| {
-            level.is_up == is_up && (level.height_mm - height_mm).abs() < SAME_HEIGHT_MM
-        };
-        match levels.iter_mut().find(is_same) {
-            Some(level) => {
-                level.faces.push(number);
-                level.area_mm2 += face.area_mm2;
-            }
-            None => {
-                levels.push(LevelFaces { height_mm, is_up, faces: vec![number], area_mm2: face.area_mm2 })
-            }
+        if frame.z.xy().norm() <= SAME_DIRECTION {
+            // A mirrored frame is left-handed: its normal is x times y.
+            let is_up = (frame.x.cross(&frame.y).z > 0.0) != face.is_reversed;
+            found.push((is_up, (face.bounds_mm[0].z + face.bounds_mm[1].z) / 2.0, number));
         }
     }
+    found.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2)));
+    let is_same = |a: &(bool, f64, usize), b: &(bool, f64, usize)| a.0 == b.0 && a.1 - b.1 < SAME_HEIGHT_MM;
+    let mut levels: Vec<LevelFaces> = found
+        .chunk_by(is_same)
+        .map(|chunk| {
+            let mut numbers: Vec<usize> = chunk.iter().map(|(_, _, number)| *number).collect();
+            numbers.sort_unstable();
+            let area_mm2 = numbers.iter().map(|number| faces[*number].area_mm2).sum();
+            LevelFaces { height_mm: chunk[0].1, is_up: chunk[0].0, faces: numbers, area_mm2 }
+        })
+        .collect();
     levels.sort_by(|a, b| b.height_mm.total_cmp(&a.height_mm));
     levels
 }

@@ -2,7 +2,7 @@
 //!
 //! # Method
 //! 1. One pass finds where the instances are ([`index`]); values are read when they are asked for ([`text`]).
-//! 2. The representations are walked from the top of the assembly ([`representation`]) to the faces of each
+//! 2. The representations are walked from the top of the assembly ([`representation`], [`assembly`]) to the faces of each
 //!    body ([`bodies`]), which are read once and placed as often as they occur.
 //! 3. A face is a surface with edges in space. The edges are taken into the plane of its parameters
 //!    ([`trim`]), where its area ([`area`]) and its B-spline ([`nurbs_form`]) come from.
@@ -29,6 +29,7 @@ pub mod spline_surface;
 pub mod surface;
 
 mod area;
+mod assembly;
 mod basis;
 mod bodies;
 mod curve_reading;
@@ -59,13 +60,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Point3;
 use toolpathd_core::budget::Budget;
 
+use self::assembly::PlacedItem;
 use self::bodies::{MOST_FACES, SHAPES, Shells, shells};
 use self::frame::Similarity;
 use self::index::Index;
 use self::instance::Source;
 use self::placement::Geometry;
 use self::refusal::{Omission, Refusal};
-use self::representation::{PlacedItem, placed_items};
+use self::representation::placed_items;
 use self::units::Units;
 use super::fault::{Place, Unreadable};
 use super::left_out::LeftOuts;
@@ -117,7 +119,11 @@ fn placed_bodies(
     left_out: &mut LeftOuts,
     budget: &Budget,
 ) -> Result<Vec<(PlacedItem, Shells)>, Unreadable> {
-    let mut items = placed_items(source, budget)?;
+    let assembly::Found { mut items, empty } = placed_items(source, budget)?;
+    for node in empty {
+        let reason = "it has no shape; the part may be in a file of its own";
+        left_out.add("SHAPE_REPRESENTATION", reason, Place::Entity(u64::from(node)));
+    }
     let found: BTreeSet<u32> = items.iter().map(|item| item.item).collect();
     let units = items.first().map_or_else(Units::unstated, |item| item.units);
     for (number, _) in source.index.roots.iter().filter(|(_, name)| SHAPES.contains(&name.as_str())) {

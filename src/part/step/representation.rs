@@ -11,38 +11,18 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use toolpathd_core::budget::Budget;
 
+use super::assembly::{Found, PlacedItem, Use, Walk};
 use super::bodies::{SHAPES, has_no_shape};
 use super::frame::Similarity;
 use super::instance::{Instance, Source};
 use super::placement::Geometry;
 use super::units::Units;
-use crate::fault::{Place, Unreadable};
-
-/// The deepest nesting of assemblies.
-const DEEPEST: usize = 64;
-
-/// The most placed items of a file, with all copies.
-const MOST_ITEMS: usize = 200_000;
-
-/// An item of a representation at its place.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlacedItem {
-    pub item: u32,
-    pub units: Units,
-    pub by: Similarity,
-}
+use crate::fault::Unreadable;
 
 /// A representation with its items.
 struct Representation {
     items: Vec<u32>,
     units: Units,
-}
-
-/// A use of a node in another.
-#[derive(Clone, Copy)]
-struct Use {
-    child: u32,
-    by: Similarity,
 }
 
 /// Representations by number; nodes by the least number of their representations.
@@ -68,7 +48,7 @@ struct Relation {
 ///
 /// # Errors
 /// The file is broken, an assembly contains itself, or there are too many copies.
-pub fn placed_items(source: &Source, budget: &Budget) -> Result<Vec<PlacedItem>, Unreadable> {
+pub fn placed_items(source: &Source, budget: &Budget) -> Result<Found, Unreadable> {
     let mut graph = Graph {
         source,
         representations: BTreeMap::new(),
@@ -83,7 +63,8 @@ pub fn placed_items(source: &Source, budget: &Budget) -> Result<Vec<PlacedItem>,
     graph.join(&relations, &children);
     graph.read_uses(&relations, &children)?;
     graph.read_items(budget)?;
-    graph.walk(budget)
+    let nodes = graph.node_of.values().copied().collect();
+    Walk::over(&graph.uses, &graph.items, &nodes, budget)
 }
 
 fn is_representation(name: &str) -> bool {
@@ -342,51 +323,6 @@ impl Graph<'_> {
         let geometry = Geometry { source: self.source, units };
         Ok((mapped, geometry.mapping(&origin, part.reference(first + 1)?)?))
     }
-
-    fn walk(&self, budget: &Budget) -> Result<Vec<PlacedItem>, Unreadable> {
-        let used: BTreeSet<u32> = self.uses.values().flatten().map(|one| one.child).collect();
-        let nodes: BTreeSet<u32> = self.node_of.values().copied().collect();
-        let mut walk = Walk { path: Vec::new(), visited: BTreeSet::new(), placed: Vec::new(), n_visits: 0 };
-        for top in nodes.difference(&used) {
-            self.place(*top, &Similarity::identity(), &mut walk, budget)?;
-        }
-        match nodes.iter().find(|node| !walk.visited.contains(*node)) {
-            None => Ok(walk.placed),
-            Some(node) => Err(contains_itself(*node)),
-        }
-    }
-
-    fn place(&self, node: u32, by: &Similarity, walk: &mut Walk, budget: &Budget) -> Result<(), Unreadable> {
-        budget.check()?;
-        let place = Place::Entity(u64::from(node));
-        if walk.path.contains(&node) {
-            return Err(contains_itself(node));
-        }
-        if walk.path.len() == DEEPEST {
-            return Err(Unreadable::at(place, format!("assemblies are nested more than {DEEPEST} deep")));
-        }
-        let items = self.items.get(&node).map_or(&[][..], Vec::as_slice);
-        walk.n_visits += 1;
-        if walk.n_visits.max(walk.placed.len() + items.len()) > MOST_ITEMS {
-            return Err(Unreadable::at(place, format!("there are more than {MOST_ITEMS} placed items")));
-        }
-        walk.visited.insert(node);
-        walk.placed.extend(items.iter().map(|item| PlacedItem { by: *by, ..*item }));
-        walk.path.push(node);
-        for one in self.uses.get(&node).into_iter().flatten() {
-            self.place(one.child, &by.after(&one.by), walk, budget)?;
-        }
-        walk.path.pop();
-        Ok(())
-    }
-}
-
-/// The way from the top, and what was found on all ways.
-struct Walk {
-    path: Vec<u32>,
-    visited: BTreeSet<u32>,
-    placed: Vec<PlacedItem>,
-    n_visits: usize,
 }
 
 /// The number that stands for all that `at` is joined with. All numbers on the way then lead to it at once.
@@ -401,9 +337,4 @@ fn top(node_of: &mut BTreeMap<u32, u32>, at: u32) -> u32 {
         node_of.insert(number, last);
     }
     last
-}
-
-fn contains_itself(node: u32) -> Unreadable {
-    let detail = "the representation contains itself through others";
-    Unreadable::at(Place::Entity(u64::from(node)), detail)
 }

@@ -70,6 +70,20 @@ fn a_relation_in_the_other_order_is_turned_round_by_its_use() {
 }
 
 #[test]
+fn a_part_in_another_file_is_left_out_at_each_place() {
+    let mut w = Writer::new(Length::Millimetre);
+    let places = [w.upright([0.0; 3]), w.upright([10.0, 0.0, 0.0])];
+    let part = assembly(&mut w, &places[..1]);
+    let whole = assembly(&mut w, &places);
+    for place in places {
+        relate(&mut w, [part, whole], [places[0], place]);
+    }
+    let model = read_text(&w.text()).unwrap();
+    assert_eq!(model.faces, []);
+    assert_eq!((model.left_out[0].kind.as_str(), model.left_out[0].count), ("SHAPE_REPRESENTATION", 2));
+}
+
+#[test]
 fn mapped_items_scale_and_mirror() {
     let mut w = Writer::new(Length::Millimetre);
     let face = square(&mut w, 2.0, 1.0);

@@ -12,6 +12,9 @@ import sys
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Tool
 from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
+from OCP.BRepClass3d import BRepClass3d_SolidClassifier
+from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 from OCP.BRepGProp import BRepGProp
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.Geom import Geom_RectangularTrimmedSurface
@@ -19,7 +22,7 @@ from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
 from OCP.gp import gp_Pnt
 from OCP.GProp import GProp_GProps
 from OCP.STEPControl import STEPControl_Reader
-from OCP.TopAbs import TopAbs_FACE
+from OCP.TopAbs import TopAbs_FACE, TopAbs_IN, TopAbs_OUT, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
@@ -27,6 +30,8 @@ from OCP.TopoDS import TopoDS
 EXTRUSION_SHARE = 2e-5
 POINT_MM = 1e-8
 MESH_SHARE = 1e-4
+# Trims are compared in files of at most so many faces: Open CASCADE takes long for each point.
+MOST_TRIMS = 60
 CURVED = ("spline", "revolution", "extrusion", "torus", "sphere", "cone")
 
 
@@ -56,14 +61,34 @@ def mesh_box(face, size):
     return [pick(axis) for pick in (min, max) for axis in zip(*places)]
 
 
-def faces_of(path):
+def shape_of(path):
     reader = STEPControl_Reader()
     reader.ReadFile(path)
     reader.TransferRoots()
-    explorer = TopExp_Explorer(reader.OneShape(), TopAbs_FACE)
+    return reader.OneShape()
+
+
+def parts_of(shape, kind):
+    explorer = TopExp_Explorer(shape, kind)
     while explorer.More():
-        yield TopoDS.Face_s(explorer.Current())
+        yield explorer.Current()
         explorer.Next()
+
+
+def faults_inside(face, other, solid, size, slack):
+    """Points within the trim must lie on the trimmed face, with the solid behind them."""
+    for x, y, z, *normal in face["inside"]:
+        point = gp_Pnt(x, y, z)
+        distance = BRepExtrema_DistShapeShape(BRepBuilderAPI_MakeVertex(point).Vertex(), other).Value()
+        if distance > 1e-6 + slack:
+            yield f"{[x, y, z]} is {distance:.1e} mm from the trimmed face"
+        if solid is None:
+            continue
+        step = 1e-4 * size + 2 * slack
+        before, behind = (gp_Pnt(x + s * normal[0], y + s * normal[1], z + s * normal[2]) for s in (step, -step))
+        states = [BRepClass3d_SolidClassifier(solid, place, 1e-7).State() for place in (before, behind)]
+        if states != [TopAbs_OUT, TopAbs_IN]:
+            yield f"the solid is not behind {[x, y, z]}: {states}"
 
 
 def surface_distance(face, point):
@@ -78,7 +103,11 @@ def compare(figures, path, allowed, counts):
     faults = []
     if "error" in figures:
         return [f"not read: {figures['error']}"]
-    others = [(face, areas_of(face), box_of(face)) for face in faces_of(path)]
+    shape = shape_of(path)
+    faces = [TopoDS.Face_s(face) for face in parts_of(shape, TopAbs_FACE)]
+    others = [(face, areas_of(face), box_of(face)) for face in faces]
+    solids = list(parts_of(shape, TopAbs_SOLID))
+    solid = solids[0] if len(solids) == 1 else None
     if len(others) != len(figures["faces"]):
         faults.append(f"{len(figures['faces'])} faces, Open CASCADE has {len(others)}; {figures['left_out']}")
     for face in figures["faces"]:
@@ -106,6 +135,9 @@ def compare(figures, path, allowed, counts):
             gap = max(abs(a - b) for a, b in zip(face["box"], mesh)) / size - 2 * MESH_SHARE if mesh else gap
         if gap > 10 * allowed + slack / size:
             faults.append(f"{name}: the box is off by {gap:.1e} of its size: {face['box']}, {box}")
+        if len(faces) <= MOST_TRIMS:
+            faults += [f"{name}: {fault}" for fault in faults_inside(face, other, solid, size, slack)]
+            counts["inside"] += len(face["inside"])
         for point in face["points"]:
             distance = surface_distance(other, point)
             if distance is None:
@@ -119,7 +151,7 @@ def compare(figures, path, allowed, counts):
 
 
 def main(report, allowed, paths):
-    counts = {"faces": 0, "points": 0, "area": 0.0, "distance": 0.0}
+    counts = {"faces": 0, "points": 0, "inside": 0, "area": 0.0, "distance": 0.0}
     by_path = {one["path"]: one for one in map(json.loads, open(report))}
     wrong = 0
     for path in paths:

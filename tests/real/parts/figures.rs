@@ -77,6 +77,35 @@ fn face(face: &Face) -> String {
             let _ = write!(text, "{comma}[{:e},{:e},{:e}]", point.x, point.y, point.z);
         }
     }
+    text.push_str("],\"inside\":[");
+    for (k, [u, v]) in inside(face).into_iter().enumerate() {
+        let (point, normal) = (face.surface.point([u, v]), face.normal([u, v]).unwrap_or_default());
+        let comma = if k == 0 { "" } else { "," };
+        let _ = write!(
+            text,
+            "{comma}[{:e},{:e},{:e},{:e},{:e},{:e}]",
+            point.x, point.y, point.z, normal.x, normal.y, normal.z
+        );
+    }
     text.push_str("]}");
     text
+}
+
+/// Some parameters within the trim, away from its bounds.
+fn inside(face: &Face) -> Vec<[f64; 2]> {
+    let place = |k: usize, share: f64| face.domain[k][0] + (face.domain[k][1] - face.domain[k][0]) * share;
+    let is_inside = |u: f64, v: f64| {
+        let [u, v] = [place(0, u), place(1, v)];
+        let sides = face.trim.iter().flat_map(|polygon| polygon.iter().zip(polygon.iter().cycle().skip(1)));
+        let crossed = sides.filter(|(a, b)| {
+            (a[1] > v) != (b[1] > v) && u < a[0] + (b[0] - a[0]) * (v - a[1]) / (b[1] - a[1])
+        });
+        crossed.count() % 2 == 1
+    };
+    let is_far_inside = |u: f64, v: f64| {
+        [-0.02, 0.0, 0.02].iter().all(|du| [-0.02, 0.0, 0.02].iter().all(|dv| is_inside(u + du, v + dv)))
+    };
+    let places =
+        (0..200).map(|k| [0.618_033_988, 0.754_877_666].map(|step| (f64::from(k) * step + 0.1).fract()));
+    places.filter(|[u, v]| is_far_inside(*u, *v)).take(3).map(|[u, v]| [place(0, u), place(1, v)]).collect()
 }

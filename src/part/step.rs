@@ -1,12 +1,12 @@
 //! Solids and sheets in STEP files: ISO 10303-21 with the shapes of AP203, AP214 and AP242.
 //!
 //! # Method
-//! 1. One pass finds where the instances are ([`index`]); values are read when they are asked for ([`text`]).
-//! 2. The representations are walked from the top of the assembly ([`representation`], [`assembly`]) to the faces of each
-//!    body ([`bodies`]), which are read once and placed as often as they occur.
-//! 3. A face is a surface with edges in space. The edges are taken into the plane of its parameters
-//!    ([`trim`]), where its area ([`area`]) and its B-spline ([`nurbs_form`]) come from.
-//! 4. Holes and levels are found among the placed faces ([`features`]).
+//! 1. One pass finds where the instances are (`index`); values are read when they are asked for (`text`).
+//! 2. The representations are walked from the top of the assembly (`representation`, `assembly`) to the faces
+//!    of each body (`bodies`), which are read once and placed as often as they occur.
+//! 3. A face is a surface with edges in space. The edges are taken into the plane of its parameters (`trim`),
+//!    where its area (`area`) and its B-spline (`nurbs_form`) come from.
+//! 4. Holes and levels are found among the placed faces (`features`).
 //!
 //! # Guarantees
 //! * A file with a broken instance that a shape needs is refused, with the number of the instance. A face of

@@ -23,7 +23,7 @@ const SAME_MM: f64 = 1e-4;
 /// Directions whose sine differs by less are the same.
 const SAME_DIRECTION: f64 = 1e-6;
 
-/// Axes and radii are compared with those of near cells of this size, mm: far more than the same axis may differ
+/// Axes and radii are compared with those of near cells of this size, mm: far more than one axis may differ
 /// over a part of some metres.
 const CELL_MM: f64 = 0.1;
 

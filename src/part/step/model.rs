@@ -57,7 +57,7 @@ pub struct Face {
     pub is_reversed: bool,
     /// The bounds as the file has them. A whole sphere or torus may have none.
     pub loops: Vec<Loop>,
-    /// The bounds in the parameters of the surface, as polygons within 1e-3 of the size of their box. The
+    /// The bounds in the parameters of the surface, as polygons within 1e-3 of the size of the face. The
     /// first goes round the face counterclockwise, the others are holes. Seams and poles are part of the
     /// polygons.
     pub trim: Vec<Vec<[f64; 2]>>,

@@ -250,3 +250,70 @@ fn a_torus_that_cuts_itself_has_an_outer_and_an_inner_part() {
         assert!(face.is_untrimmed);
     }
 }
+
+/// The area of a half disc below the x axis, or above it.
+#[test]
+fn an_edge_against_its_curve_takes_the_other_way() {
+    for (sense, low, high) in [("T", 0.0, 2.0), ("F", -2.0, 0.0)] {
+        let mut w = Writer::new(Length::Millimetre);
+        let frame = w.upright([0.0; 3]);
+        let ends = [[2.0, 0.0, 0.0], [-2.0, 0.0, 0.0]];
+        let vertices = ends.map(|p| w.vertex(p));
+        let arc = w.add(format!("CIRCLE('',#{frame},2.)"));
+        let arc = w.add(format!("EDGE_CURVE('',#{},#{},#{arc},.{sense}.)", vertices[0], vertices[1]));
+        let line = w.line(ends[1], ends[0]);
+        let line = w.edge([vertices[1], vertices[0]], line);
+        let bound = w.bound(&[(arc, true), (line, true)]);
+        let face = level(&mut w, &[bound], 0.0);
+        let face = one(w, face);
+        check(&face, TAU);
+        check_box(&face, [-2.0, low, 0.0], [2.0, high, 0.0]);
+    }
+}
+
+#[test]
+fn polygons_bound_facets_with_and_without_a_surface() {
+    let mut w = Writer::new(Length::Millimetre);
+    let corners = [[0.0; 3], [4.0, 0.0, 0.0], [4.0, 3.0, 1.0], [0.0, 3.0, 1.0]].map(|p| w.point(p));
+    let corners = corners.map(|number| format!("#{number}")).join(",");
+    let polygon = w.add(format!("POLY_LOOP('',({corners}))"));
+    let bound = w.add(format!("FACE_OUTER_BOUND('',#{polygon},.T.)"));
+    let frame = w.frame([0.0; 3], [0.0, -1.0, 3.0], X);
+    let plane = w.add(format!("PLANE('',#{frame})"));
+    let faces =
+        [w.add(format!("FACE('',(#{bound}))")), w.add(format!("FACE_SURFACE('',(#{bound}),#{plane},.T.)"))];
+    let shell = w.add(format!("CLOSED_SHELL('',(#{},#{}))", faces[0], faces[1]));
+    let solid = w.add(format!("FACETED_BREP('',#{shell})"));
+    w.representation(&[solid]);
+    let model = read_text(&w.text()).unwrap();
+    assert_eq!(model.faces.len(), 2);
+    for face in &model.faces {
+        check(face, 4.0 * 10.0_f64.sqrt());
+        assert!(face.is_untrimmed && face.normal([1.0, 1.0]).unwrap().z > 0.0);
+    }
+}
+
+#[test]
+fn a_polyline_and_a_closed_spline_are_edges() {
+    // A square as one closed polyline, and a curve of degree 1 over the same corners.
+    let corners = [[0.0; 3], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [0.0; 3]];
+    for is_spline in [false, true] {
+        let mut w = Writer::new(Length::Millimetre);
+        let points = corners.map(|p| format!("#{}", w.point(p))).join(",");
+        let curve = if is_spline {
+            w.add(format!(
+                "B_SPLINE_CURVE_WITH_KNOTS('',1,({points}),.UNSPECIFIED.,.T.,.F.,(2,1,1,1,2),(0.,1.,2.,3.,4.),.U.)"
+            ))
+        } else {
+            w.add(format!("POLYLINE('',({points}))"))
+        };
+        // The edge begins in the middle of a side, and passes the joint of the curve.
+        let vertex = w.vertex([1.0, 0.0, 0.0]);
+        let edge = w.edge([vertex, vertex], curve);
+        let bound = w.bound(&[(edge, true)]);
+        let face = level(&mut w, &[bound], 0.0);
+        let face = one(w, face);
+        check(&face, 4.0);
+        check_box(&face, [0.0; 3], [2.0, 2.0, 0.0]);
+    }
+}

@@ -72,6 +72,9 @@ pub fn face(outline: FaceOutline, budget: &Budget) -> Result<Face, Refusal> {
         Some(corners) => nurbs_form::patch(corners),
         None => nurbs_form::nurbs(&surface, domain),
     };
+    if !nurbs.control_points.iter().flatten().all(|point| point.iter().all(|x| x.is_finite())) {
+        return Err(refuse("its numbers are too large"));
+    }
     let polygons = trim.chains.iter().map(|chain| chain.polygon()).collect();
     Ok(Face {
         entity,

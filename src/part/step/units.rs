@@ -26,10 +26,15 @@ impl Units {
 
     /// The unit of length by name, if it has one.
     pub fn length(&self) -> Option<Unit> {
+        self.named(1e-6).filter(|_| self.has_length)
+    }
+
+    /// The unit whose length differs by less than a part of it.
+    fn named(&self, share: f64) -> Option<Unit> {
         use Unit::{Centimetre, Foot, Inch, Metre, Micrometre, Millimetre};
         let units = [Micrometre, Millimetre, Centimetre, Metre, Inch, Foot];
-        let is_same = |unit: &Unit| (unit.mm() / self.mm - 1.0).abs() < 1e-6;
-        units.into_iter().find(is_same).filter(|_| self.has_length)
+        let is_same = |unit: &Unit| (unit.mm() / self.mm - 1.0).abs() < share;
+        units.into_iter().find(is_same)
     }
 
     /// The units of a representation by the number of its second half, where units are assigned.
@@ -54,6 +59,10 @@ impl Units {
             } else if unit.has("PLANE_ANGLE_UNIT") {
                 units.radians = factor("RADIAN")?;
             }
+        }
+        // 0.0254 m is 25.4 mm, without the rounding of the product.
+        if let Some(unit) = units.named(1e-12) {
+            units.mm = unit.mm();
         }
         Ok(units)
     }

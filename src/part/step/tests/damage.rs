@@ -5,7 +5,7 @@ use toolpathd_core::budget::{Budget, Stopped};
 use super::shapes::{ring, sphere, square, wall};
 use super::writer::{Length, Writer, read_text};
 use crate::fault::{Place, Unreadable};
-use crate::step::read;
+use crate::step::{Model, read};
 
 /// A file with faces of several kinds.
 fn file() -> String {
@@ -35,6 +35,15 @@ fn file() -> String {
 fn random(state: &mut u64, below: usize) -> usize {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 33) as usize % below
+}
+
+/// All numbers of the faces are finite.
+fn check(model: &Model) {
+    for face in &model.faces {
+        assert!(face.area_mm2 > 0.0 && face.area_mm2.is_finite());
+        let points = face.nurbs.control_points.iter().flatten().chain(&face.bounds_mm);
+        assert!(points.flat_map(|point| point.iter()).all(|x| x.is_finite()), "{face:?}");
+    }
 }
 
 #[test]
@@ -67,7 +76,7 @@ fn damaged_bytes_do_no_harm() {
             }
         }
         if let Ok(model) = read(&bytes, &Budget::unlimited()) {
-            assert!(model.faces.iter().all(|face| face.area_mm2 > 0.0 && face.area_mm2.is_finite()));
+            check(&model);
         }
     }
 }
@@ -103,7 +112,7 @@ fn other_values_and_references_do_no_harm() {
             lines[k].replace_range(*start..start + length, value);
         }
         if let Ok(model) = read_text(&lines.join("\n")) {
-            assert!(model.faces.iter().all(|face| face.area_mm2 > 0.0 && face.area_mm2.is_finite()));
+            check(&model);
         }
     }
 }

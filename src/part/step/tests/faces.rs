@@ -31,7 +31,7 @@ fn a_square_has_its_area_in_every_unit() {
         check_box(face, [0.0, 0.0, 2.0 * mm], [3.0 * mm, 3.0 * mm, 2.0 * mm]);
         assert!(face.is_untrimmed);
         assert_eq!((model.unit, model.is_unit_stated), (name, name.is_some()));
-        assert!((model.mm_per_unit - mm).abs() < 1e-12 * mm);
+        assert_eq!(model.mm_per_unit, mm);
     }
 }
 

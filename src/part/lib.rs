@@ -12,4 +12,5 @@ pub mod fault;
 pub mod format;
 pub mod left_out;
 pub mod points;
+pub mod step;
 pub mod unit;

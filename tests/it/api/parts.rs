@@ -259,3 +259,72 @@ async fn a_receipt_takes_files_in_base64_alone() {
     let sent = send("/v1/programs/verify?receipt=true", Some(&job), &[]).await;
     assert_eq!((sent.status, sent.code()), (StatusCode::BAD_REQUEST, "invalid_query".into()));
 }
+
+/// A block of 140 x 80 x 30 mm: a freeform face on its left, two pockets and four holes, one of them blind.
+const BLOCK: &str = include_str!("../../../openapi/files/block.step");
+
+/// What is in the block.
+async fn block() -> Value {
+    let sent = send(INSPECT, None, &[("part", "block.step", BLOCK)]).await;
+    assert_eq!(sent.status, StatusCode::OK, "{}", sent.text());
+    sent.json()["report"].clone()
+}
+
+#[tokio::test]
+async fn a_solid_is_inspected() {
+    let report = block().await;
+    assert_eq!((&report["format"], &report["units"]), (&json!("step"), &json!("mm")));
+    assert_eq!(report["left_out"], json!([]));
+    let model = &report["model"];
+    let list = |name: &str| model[name].as_array().cloned().unwrap_or_default();
+    assert_eq!((list("bodies").len(), list("holes").len()), (1, 4));
+    assert_eq!(model["bodies"][0]["is_solid"], true);
+    let through = list("holes").iter().filter(|hole| hole["is_through"] == true).count();
+    assert_eq!(through, 3, "{}", model["holes"]);
+    for hole in list("holes") {
+        assert!((hole["diameter_mm"].as_f64().unwrap_or_default() - 6.0).abs() < 1e-9, "{hole}");
+        assert_eq!(hole["axis"].to_string().replace("-0.0", "0.0"), "[0.0,0.0,-1.0]", "{hole}");
+    }
+    // The floors of the pockets are rectangles with rounded corners.
+    let floor = |z: f64| {
+        let level = list("levels").into_iter().find(|level| level["z_mm"] == z && level["is_up"] == true);
+        level.and_then(|level| level["area_mm2"].as_f64()).unwrap_or_default()
+    };
+    for (z, sides, radius) in [(20.0, 30.0 * 56.0, 6.0), (14.0, 26.0 * 32.0, 5.0)] {
+        let expected = sides - (4.0 - std::f64::consts::PI) * radius * radius;
+        assert!((floor(z) - expected).abs() < 1e-6 * expected, "{z}: {} {expected}", floor(z));
+    }
+    let splines: Vec<Value> = list("faces").into_iter().filter(|face| face["kind"] == "spline").collect();
+    assert_eq!((splines.len(), &splines[0]["is_untrimmed"]), (1, &json!(true)));
+}
+
+#[tokio::test]
+async fn a_face_of_a_solid_is_milled() {
+    let faces = block().await["model"]["faces"].as_array().cloned().unwrap_or_default();
+    let number = faces.iter().position(|face| face["kind"] == "spline").expect("a freeform face");
+    let surface = |faces: Value| json!({ "kind": "file", "name": "block.step", "faces": faces });
+    let files = [("part", "block.step", BLOCK)];
+    let model = json!({ "surface": surface(json!([number])) });
+    let sent = send("/v1/surfaces/model", Some(&model), &files).await.json();
+    let bounds = &sent["report"]["bounds"];
+    let near = |value: &Value, expected: f64| (value.as_f64().unwrap_or(f64::NAN) - expected).abs() < 1e-4;
+    assert!(near(&bounds["min"][0], 0.0) && near(&bounds["max"][0], 50.0), "{sent}");
+    assert!(near(&bounds["min"][1], 0.0) && near(&bounds["max"][1], 80.0), "{sent}");
+    let milled = send(MILL, Some(&mill(surface(json!([number])))), &files).await;
+    assert_eq!(milled.status, StatusCode::OK, "{}", milled.text());
+    let inch = json!({ "kind": "file", "name": "block.step", "faces": [number], "units": "inch" });
+    let sent = send("/v1/surfaces/model", Some(&json!({ "surface": inch })), &files).await.json();
+    assert!(near(&sent["report"]["bounds"]["max"][0], 50.0 * 25.4), "{sent}");
+
+    let trimmed = faces.iter().position(|face| face["is_untrimmed"] == false).expect("a trimmed face");
+    for (faces, code, pointer) in [
+        (Value::Null, "missing_field", "#/surface/faces"),
+        (json!([trimmed]), "unsupported", "#/surface/faces/0"),
+        (json!([999]), "out_of_range", "#/surface/faces/0"),
+        (json!([]), "wrong_length", "#/surface/faces"),
+        (json!([0, 1]), "wrong_length", "#/surface/faces"),
+    ] {
+        let sent = send("/v1/surfaces/model", Some(&json!({ "surface": surface(faces) })), &files).await;
+        assert_eq!(sent.violations(), [(code.to_owned(), pointer.to_owned())], "{}", sent.text());
+    }
+}

@@ -11,6 +11,7 @@ use crate::http::pointer::Pointer;
 use toolpathd_part::fault::Unreadable;
 use toolpathd_part::format::Format;
 use toolpathd_part::left_out::LeftOut;
+use toolpathd_part::step::Model;
 use toolpathd_part::unit::Unit;
 
 /// The unit of the lengths of a file.
@@ -106,6 +107,15 @@ impl Reference<'_> {
             self.blame(FieldCode::UnitMissing, detail, reading);
         }
         unit.map(Unit::mm)
+    }
+
+    /// Millimetres in each unit of the lengths of a model, which are mm where the file states a unit.
+    pub fn mm_of_model(&self, model: &Model, reading: &mut FileReading) -> Option<f64> {
+        // A unit that has no name here has its length in the file all the same.
+        if model.is_unit_stated && self.units.is_none() {
+            return Some(1.0);
+        }
+        self.mm(model.unit, reading).map(|mm| mm / model.mm_per_unit)
     }
 
     /// Tells what was left out of the file.

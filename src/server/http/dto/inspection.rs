@@ -1,5 +1,7 @@
 //! The request to inspect a file, and the report of what is in it.
 
+mod model;
+
 use axum::body::Bytes;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -13,6 +15,7 @@ use crate::http::decode::files::FileReading;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
+pub use model::ModelContents;
 use toolpathd_part::drawing::{Branch, Drawing, Loop, OpenChain};
 use toolpathd_part::fault::Place;
 use toolpathd_part::left_out::LeftOut;
@@ -131,6 +134,9 @@ pub struct InspectReport {
     /// The drawing. Present with `dxf`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawing: Option<DrawingReport>,
+    /// The solids and sheets. Present with `step`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<ModelContents>,
     /// The points. Present with `points`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<PointsReport>,
@@ -144,6 +150,7 @@ pub struct InspectReport {
 pub enum FileFormat {
     Dxf,
     Points,
+    Step,
 }
 
 /// A box along the axes, in mm.

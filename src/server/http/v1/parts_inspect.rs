@@ -10,7 +10,7 @@ use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::file::format_name;
 use crate::http::dto::inspection::{
     DrawingReport, FileBox, FileFormat, InspectReport, InspectRequest, Inspection, LeftOutReport,
-    PointsReport,
+    ModelContents, PointsReport,
 };
 use crate::http::error::{ApiError, FieldCode, FieldError};
 use crate::http::messages::{Warning, WarningCode, no_grid};
@@ -29,6 +29,7 @@ use toolpathd_part::format::Format;
 use toolpathd_part::left_out::LeftOut;
 use toolpathd_part::points::grid::{NoGrid, grid};
 use toolpathd_part::points::{self, PointText};
+use toolpathd_part::step;
 use toolpathd_part::unit::Unit;
 use toolpathd_plot::solid;
 
@@ -105,6 +106,9 @@ fn flat(loops: &[Vec<Segment>], budget: &Budget) -> Result<Solids, ApiError> {
 struct Found {
     format: FileFormat,
     unit: Option<Unit>,
+    /// Whether the file states a unit, be it one without a name here.
+    has_unit: bool,
+    model: Option<ModelContents>,
     bounds: Option<FileBox>,
     drawing: Option<DrawingReport>,
     points: Option<PointsReport>,
@@ -117,24 +121,26 @@ fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, Sh
     let found = match Format::of(&job.name, &job.bytes) {
         Format::Dxf => drawing(&job, budget)?,
         Format::Points => point_text(&job, budget)?,
+        Format::Step => model(&job, budget)?,
         other => {
-            let detail = format!("`{}` is {}; send DXF or a text of points", job.name, format_name(other));
+            let detail = format!("`{}` is {}; send STEP, DXF or a text of points", job.name, format_name(other));
             return Err(blamed(FieldCode::Unsupported, detail));
         }
     };
     let units = job.units.or(found.unit.map(Into::into));
+    let has_unit = found.has_unit || units.is_some();
     let mut warnings = Vec::new();
-    if units.is_none() {
+    if !has_unit {
         let detail =
             format!("`{}` states no unit of length: the figures are in the numbers of the file", job.name);
         warnings.push(Warning::new(WarningCode::FileUnitMissing, detail));
     }
-    let Found { format, bounds, drawing, points, left_out, shape, picture, .. } = found;
+    let Found { format, bounds, drawing, model, points, left_out, shape, picture, .. } = found;
     let left_out = left_out.iter().map(LeftOutReport::from).collect();
     Ok(Outcome {
         meta: job.meta,
         warnings,
-        report: InspectReport { format, units, bounds, drawing, points, left_out },
+        report: InspectReport { format, units, bounds, drawing, model, points, left_out },
         product: shape,
         drawing: Box::new(move || picture.clone()),
     })
@@ -160,7 +166,8 @@ fn drawing(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     let shape = Shape::Loops(drawing.loops.iter().map(|own| elements(&own.vertices, true)).collect());
     let Drawing { unit, left_out, .. } = drawing;
     let drawing = Some(report);
-    Ok(Found { format: FileFormat::Dxf, unit, bounds, drawing, points: None, left_out, shape, picture })
+    let (format, has_unit) = (FileFormat::Dxf, unit.is_some());
+    Ok(Found { format, unit, has_unit, bounds, drawing, model: None, points: None, left_out, shape, picture })
 }
 
 fn point_text(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
@@ -193,7 +200,36 @@ fn point_text(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     let bounds = FileBox::around(text.points.iter().copied());
     let PointText { unit, left_out, .. } = text;
     let (format, points) = (FileFormat::Points, Some(report));
-    Ok(Found { format, unit, bounds, drawing: None, points, left_out, shape, picture })
+    let has_unit = unit.is_some();
+    Ok(Found { format, unit, has_unit, bounds, drawing: None, model: None, points, left_out, shape, picture })
+}
+
+/// Points along an edge in a picture.
+const POINTS_OF_EDGE: usize = 24;
+
+fn model(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
+    let model = step::read(&job.bytes, budget).map_err(|fault| unreadable(job, fault))?;
+    let mm = job.units.map_or(1.0, |units| Unit::from(units).mm() / model.mm_per_unit);
+    let mut picture = toolpathd_plot::Drawing::default();
+    for edge in model.faces.iter().flat_map(|face| &face.loops).flat_map(|own| &own.edges) {
+        budget.check()?;
+        let at = |k: usize| edge.from + (edge.to - edge.from) * k as f64 / POINTS_OF_EDGE as f64;
+        picture.solids.push((0..=POINTS_OF_EDGE).map(|k| edge.curve.point(at(k)) * mm).collect());
+    }
+    let corner = |corner: Point3<f64>| <[f64; 3]>::from(corner * mm);
+    let bounds = model.bounds_mm.map(|[min, max]| FileBox { min: corner(min), max: corner(max) });
+    Ok(Found {
+        format: FileFormat::Step,
+        unit: model.unit,
+        has_unit: model.is_unit_stated,
+        bounds,
+        drawing: None,
+        model: Some(ModelContents::new(&model, mm)),
+        points: None,
+        left_out: model.left_out,
+        shape: Shape::Nothing,
+        picture,
+    })
 }
 
 /// The lines and arcs of a chain of vertices with bulges.

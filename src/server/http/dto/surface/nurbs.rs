@@ -1,5 +1,6 @@
 //! The surface kind `nurbs` in requests: rational B-spline surfaces.
 
+use nalgebra::Point3;
 use serde::Deserialize;
 use utoipa::ToSchema;
 
@@ -109,6 +110,24 @@ pub fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violati
             knots[k]
         );
         violations.add(&at.index(k + 1), FieldCode::OutOfRange, detail);
+    }
+}
+
+impl Nurbs {
+    /// The surface as a request would send it, with `mm` millimetres in each of its units of length.
+    pub fn scaled(nurbs: &core::Nurbs, mm: f64) -> Self {
+        let core::Nurbs { degree: [degree_u, degree_v], knots: [knots_u, knots_v], control_points, weights } = nurbs;
+        let degree = |degree: usize| u32::try_from(degree).unwrap_or(u32::MAX);
+        let row = |row: &Vec<Point3<f64>>| row.iter().map(|point| Point::from(point * mm)).collect();
+        Self {
+            _kind: Kind,
+            degree_u: degree(*degree_u),
+            degree_v: degree(*degree_v),
+            knots_u: knots_u.clone(),
+            knots_v: knots_v.clone(),
+            control_points: control_points.iter().map(row).collect(),
+            weights: weights.clone(),
+        }
     }
 }
 

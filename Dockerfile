@@ -18,9 +18,9 @@ COPY src/server/Cargo.toml src/server/
 COPY benches benches
 # Empty files stand for the other targets that the manifests name, so that Cargo builds the dependencies alone.
 RUN mkdir -p tests/real/controller tests/real/programs tests/real/parts \
-    && echo 'fn main() {}' > src/main.rs && echo 'fn main() {}' > tests/real/parts/figures.rs \
+    && echo 'fn main() {}' > src/main.rs \
     && touch src/core/lib.rs src/nc/lib.rs src/part/lib.rs src/post/lib.rs src/plot/lib.rs src/server/lib.rs \
-        tests/real/controller/main.rs tests/real/programs/main.rs \
+        tests/real/controller/main.rs tests/real/programs/main.rs tests/real/parts/figures.rs \
     && cargo build --release --locked --target "$(rustc --print host-tuple)" \
     && rm -r src benches
 

@@ -50,6 +50,9 @@ use crate::fault::{Place, Unreadable};
 use crate::unit::Unit;
 use curves::Drafting;
 
+/// Why entities on other layers than those that are asked for are left out.
+pub use reasons::NOT_ASKED;
+
 /// How a drawing is read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DxfOptions {

@@ -123,7 +123,8 @@ fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, Sh
         Format::Points => point_text(&job, budget)?,
         Format::Step => model(&job, budget)?,
         other => {
-            let detail = format!("`{}` is {}; send STEP, DXF or a text of points", job.name, format_name(other));
+            let detail =
+                format!("`{}` is {}; send STEP, DXF or a text of points", job.name, format_name(other));
             return Err(blamed(FieldCode::Unsupported, detail));
         }
     };

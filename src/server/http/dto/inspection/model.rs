@@ -134,7 +134,8 @@ impl HoleReport {
             body: hole.body,
             faces: hole.faces.clone(),
             start: coordinates(&hole.start, mm),
-            axis: hole.axis.into(),
+            // No minus stands before a zero.
+            axis: hole.axis.map(|x| x + 0.0).into(),
             diameter_mm: hole.diameter_mm * mm,
             depth_mm: hole.depth_mm * mm,
             is_through: hole.is_through,

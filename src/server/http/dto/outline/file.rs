@@ -161,7 +161,9 @@ impl RegionFile {
     /// Tells what a person should know of the drawing before the program runs.
     fn tell(&self, drawing: &Drawing, walls: &[usize], at: &Pointer, reading: &mut FileReading) {
         let reference = self.reference(at);
-        reference.tell_left_out(&drawing.left_out, reading);
+        // Nobody needs to be told of the layers that the request itself leaves out.
+        let told = drawing.left_out.iter().filter(|one| one.reason != dxf::NOT_ASKED);
+        reference.tell_left_out(&told.cloned().collect::<Vec<_>>(), reading);
         if drawing.bridged_max_mm > 0.0 {
             let detail = format!(
                 "`{}`: gaps of up to {:.4} mm between curves are bridged",

@@ -68,8 +68,10 @@ impl SurfaceFile {
             Format::Points => self.point_grid(&reference, &bytes, reading).map(Surface::PointGrid),
             Format::Step => self.face(&reference, &bytes, reading).map(Surface::Nurbs),
             other => {
-                let detail =
-                    format!("a surface is read from STEP or a text of points, and this is {}", format_name(other));
+                let detail = format!(
+                    "a surface is read from STEP or a text of points, and this is {}",
+                    format_name(other)
+                );
                 reference.blame(FieldCode::Unsupported, &detail, reading);
                 None
             }
@@ -117,7 +119,8 @@ impl SurfaceFile {
         }
         let face = face?;
         if !face.is_untrimmed {
-            let detail = "the face is a part of its surface, within edges of its own: such a face is not milled yet";
+            let detail =
+                "the face is a part of its surface, within edges of its own: such a face is not milled yet";
             violations.add(&at.index(0), FieldCode::Unsupported, detail);
             return None;
         }

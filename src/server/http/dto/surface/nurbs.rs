@@ -116,7 +116,8 @@ pub fn check_knots(at: &Pointer, knots: &[f64], expected: Option<usize>, violati
 impl Nurbs {
     /// The surface as a request would send it, with `mm` millimetres in each of its units of length.
     pub fn scaled(nurbs: &core::Nurbs, mm: f64) -> Self {
-        let core::Nurbs { degree: [degree_u, degree_v], knots: [knots_u, knots_v], control_points, weights } = nurbs;
+        let core::Nurbs { degree: [degree_u, degree_v], knots: [knots_u, knots_v], control_points, weights } =
+            nurbs;
         let degree = |degree: usize| u32::try_from(degree).unwrap_or(u32::MAX);
         let row = |row: &Vec<Point3<f64>>| row.iter().map(|point| Point::from(point * mm)).collect();
         Self {

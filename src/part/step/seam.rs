@@ -67,7 +67,8 @@ impl Seam<'_> {
         }
     }
 
-    /// The value of a parameter at the seam: the start of the loop, or a sample that no hole is beside.
+    /// The value of a parameter at the seam: between two samples of the loop, where no hole is beside. Samples
+    /// themselves are avoided, because loops often begin at the same value but for rounding.
     fn line(&self, chain: &Chain, along: usize) -> f64 {
         let period = self.sampler.periods[along].unwrap_or(f64::MAX);
         let is_free = |value: &f64| {
@@ -76,8 +77,9 @@ impl Seam<'_> {
                 (value - from).rem_euclid(period) > to - from
             })
         };
-        let values = || chain.pieces.iter().flat_map(BoundPiece::places).map(|place| place[along]);
-        values().find(is_free).unwrap_or(chain.start()[along])
+        let places = chain.polygon();
+        let middles = || places.windows(2).map(|pair| (pair[0][along] + pair[1][along]) / 2.0);
+        middles().find(is_free).or_else(|| middles().next()).unwrap_or_default()
     }
 
     /// The places where a loop crosses a line, in any turn.
@@ -89,8 +91,8 @@ impl Seam<'_> {
             for (before, pair) in samples.windows(2).enumerate() {
                 let [from, to] = [pair[0].at[along], pair[1].at[along]];
                 let target = line + ((from.max(to) - line) / period).floor() * period;
-                // Of the two ends, the lower one counts.
-                if target < from.min(to) || target == from.max(to) {
+                // Of the two ends, the lower one counts. Rounding may put the target outside.
+                if !(from.min(to)..from.max(to)).contains(&target) {
                     continue;
                 }
                 let is_growing = from < to;

@@ -360,3 +360,24 @@ fn a_seam_between_loops_that_begin_apart_passes_no_hole() {
     assert!(face.trim[1].iter().all(|place| place[0] > from && place[0] < to));
     check_box(&face, [-3.0, -3.0, 0.0], [3.0, 3.0, 5.0]);
 }
+
+#[test]
+fn loops_that_begin_where_the_angle_jumps_are_joined() {
+    // Circles that begin at half a turn, where the angle of the start is half a turn up or down.
+    for (x, z) in
+        [(X, UP), (X, [0.0, 0.0, -1.0]), ([-1.0, 0.0, 0.0], UP), ([-1.0, 0.0, 0.0], [0.0, 0.0, -1.0])]
+    {
+        for y in [0.0, 1e-16, -1e-16] {
+            let mut w = Writer::new(Length::Millimetre);
+            let rings = [0.0, 5.0].map(|h| {
+                let frame = w.frame([0.0, 0.0, h], z, x);
+                let (curve, vertex) = (w.add(format!("CIRCLE('',#{frame},3.)")), w.vertex([-3.0, y, h]));
+                w.edge([vertex, vertex], curve)
+            });
+            let face = wall(&mut w, 3.0, rings, z[2] < 0.0);
+            let face = one(w, face);
+            check(&face, TAU * 15.0);
+            assert!(face.is_untrimmed && face.edge_deviation_mm < 1e-9);
+        }
+    }
+}

@@ -9,11 +9,12 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point3, Vector3};
 
+use super::chain::Chain;
 use super::model::Edge;
 use super::piece::{BoundPiece, Sample, Sampler, lift, spread};
 use super::spline_surface::newton_step;
 use super::surface::Surface;
-use super::trim::{Chain, Trim};
+use super::trim::Trim;
 
 /// The least number of places along each parameter from which extremes are searched.
 const GRID: usize = 8;

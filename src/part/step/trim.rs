@@ -11,9 +11,11 @@
 //! # Degenerate input
 //! Where a surface is not closed, bounds in the wrong direction are turned round.
 
+use super::chain::Chain;
 use super::model::Edge;
 use super::parameter_search::ParameterSearch;
 use super::piece::{BoundPiece, Part, Sampler, lift};
+use super::seam::Seam;
 use super::surface::{PolarSide, Surface};
 
 /// Two edges of a loop may be this far apart, mm, and this part of the size of the face.
@@ -26,13 +28,6 @@ const NO_JUMP: f64 = 1e-7;
 
 /// The polygon of a bound may leave it by this part of the size of the face.
 const POLYGON_SHARE: f64 = 5e-4;
-
-/// A closed loop of pieces, with how often it goes round along u and v.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Chain {
-    pub pieces: Vec<BoundPiece>,
-    pub turns: [i32; 2],
-}
 
 /// The loops of a face in the plane of the parameters. The first goes round the face counterclockwise, unless
 /// the face is several; the others are holes.
@@ -62,72 +57,20 @@ impl Trim {
             }
         }
         let mut chains = Vec::new();
+        let edges = loops.iter().flat_map(|edges| edges.iter()).collect();
+        let seam = Seam { sampler: &sampler, edges, holes: closed.iter().map(Chain::box_of).collect() };
         match turning.len() {
             0 => {}
-            1 => chains.push(closed_at_pole(&sampler, turning.remove(0))?),
+            1 => chains.push(closed_at_pole(&seam, turning.remove(0))?),
             2 => {
                 let second = turning.remove(1);
-                chains.push(joined(&sampler, turning.remove(0), second)?);
+                chains.push(joined(&seam, turning.remove(0), second)?);
             }
             _ => return Err("its bounds go round the surface more than twice"),
         }
         arrange(search.surface, &mut chains, closed)?;
         shift_holes(&sampler, &mut chains);
         Ok(Self { chains })
-    }
-}
-
-impl Chain {
-    /// All places, from sample to sample.
-    pub fn polygon(&self) -> Vec<[f64; 2]> {
-        let mut places: Vec<[f64; 2]> = self.pieces.iter().flat_map(BoundPiece::places).collect();
-        places.dedup();
-        places
-    }
-
-    /// The area within the polygon, in parameters; negative if it goes clockwise.
-    pub fn polygon_area(&self) -> f64 {
-        let places = self.polygon();
-        let pairs = places.iter().zip(places.iter().cycle().skip(1));
-        pairs.map(|(a, b)| (a[0] * b[1] - b[0] * a[1]) / 2.0).sum()
-    }
-
-    fn start(&self) -> [f64; 2] {
-        self.pieces[0].start()
-    }
-
-    fn end(&self) -> [f64; 2] {
-        self.pieces[self.pieces.len() - 1].end()
-    }
-
-    fn reverse(&mut self) {
-        self.pieces.reverse();
-        self.pieces.iter_mut().for_each(BoundPiece::reverse);
-        self.turns = self.turns.map(|n| -n);
-    }
-
-    fn shift(&mut self, by: [f64; 2]) {
-        self.pieces.iter_mut().for_each(|piece| piece.shift(by));
-    }
-
-    /// Appends straight lines through the places, from the end on.
-    fn go(&mut self, places: &[[f64; 2]]) {
-        for place in places {
-            let end = self.end();
-            if end != *place {
-                self.pieces.push(BoundPiece::Straight([end, *place]));
-            }
-        }
-    }
-
-    /// The least and the largest value of a parameter.
-    fn range(&self, along: usize) -> [f64; 2] {
-        let values = self.pieces.iter().flat_map(BoundPiece::places).map(|place| place[along]);
-        values.fold([f64::MAX, f64::MIN], |[low, high], value| [low.min(value), high.max(value)])
-    }
-
-    fn box_of(&self) -> [[f64; 2]; 2] {
-        [self.range(0), self.range(1)]
     }
 }
 
@@ -202,7 +145,8 @@ fn across_pole(sampler: &Sampler, pole: &PolarSide, chain: &Chain, to: [f64; 2])
 }
 
 /// Closes a loop that goes round once at the pole that the face contains.
-fn closed_at_pole(sampler: &Sampler, mut chain: Chain) -> Result<Chain, &'static str> {
+fn closed_at_pole(seam: &Seam, mut chain: Chain) -> Result<Chain, &'static str> {
+    let sampler = seam.sampler;
     let (along, turn) = match chain.turns {
         [turn @ (1 | -1), 0] => (0, turn),
         [0, turn @ (1 | -1)] => (1, turn),
@@ -222,6 +166,7 @@ fn closed_at_pole(sampler: &Sampler, mut chain: Chain) -> Result<Chain, &'static
             *pole.ok_or("its bounds leave it open")?
         }
     };
+    seam.begin_towards(&mut chain, along, pole.at);
     let (start, end) = (chain.start(), chain.end());
     let (mut far, mut near) = (end, start);
     far[other] = pole.at;
@@ -232,7 +177,8 @@ fn closed_at_pole(sampler: &Sampler, mut chain: Chain) -> Result<Chain, &'static
 }
 
 /// Joins two loops that go round in opposite directions by a seam.
-fn joined(sampler: &Sampler, mut a: Chain, mut b: Chain) -> Result<Chain, &'static str> {
+fn joined(seam: &Seam, mut a: Chain, mut b: Chain) -> Result<Chain, &'static str> {
+    let sampler = seam.sampler;
     let along = match a.turns {
         [1 | -1, 0] => 0,
         [0, 1 | -1] => 1,
@@ -258,6 +204,7 @@ fn joined(sampler: &Sampler, mut a: Chain, mut b: Chain) -> Result<Chain, &'stat
     } else if a.turns[along] < 0 {
         std::mem::swap(&mut a, &mut b);
     }
+    seam.begin_beside(&mut a, &mut b, along);
     let start = a.start();
     let mut shift = [0.0; 2];
     shift[along] = lift(b.start()[along], start[along] + period, Some(period)) - b.start()[along];

@@ -317,3 +317,67 @@ fn a_polyline_and_a_closed_spline_are_edges() {
         check_box(&face, [0.0; 3], [2.0, 2.0, 0.0]);
     }
 }
+
+#[test]
+fn a_seam_between_loops_that_begin_apart_passes_no_hole() {
+    // The upper circle begins on the other side than the lower one, where a hole is.
+    let mut w = Writer::new(Length::Millimetre);
+    let low = ring(&mut w, 3.0, 0.0);
+    let high = circle(&mut w, [0.0, 0.0, 5.0], UP, [-1.0, 0.0, 0.0], 3.0);
+    let mut whole = w.copy();
+    let face = wall(&mut whole, 3.0, [low, high], false);
+    let face = one(whole, face);
+    check(&face, TAU * 15.0);
+    assert!(face.is_untrimmed);
+
+    // A hole about x: the part of the cylinder in a square of parameters, as four edges.
+    let (s, c) = 0.5_f64.sin_cos();
+    let corners = [
+        [3.0 * c, -3.0 * s, 2.0],
+        [3.0 * c, 3.0 * s, 2.0],
+        [3.0 * c, 3.0 * s, 3.0],
+        [3.0 * c, -3.0 * s, 3.0],
+    ];
+    let vertices = corners.map(|p| w.vertex(p));
+    let arcs = [2.0, 3.0].map(|z| {
+        let frame = w.upright([0.0, 0.0, z]);
+        w.add(format!("CIRCLE('',#{frame},3.)"))
+    });
+    let arcs = [w.edge([vertices[0], vertices[1]], arcs[0]), w.edge([vertices[3], vertices[2]], arcs[1])];
+    let sides = [w.line(corners[1], corners[2]), w.line(corners[0], corners[3])];
+    let sides = [w.edge([vertices[1], vertices[2]], sides[0]), w.edge([vertices[0], vertices[3]], sides[1])];
+    let hole = w.bound(&[(sides[1], true), (arcs[1], true), (sides[0], false), (arcs[0], false)]);
+    let bounds = [w.bound(&[(low, true)]), w.bound(&[(high, false)]), hole];
+    let frame = w.upright([0.0; 3]);
+    let cylinder = w.add(format!("CYLINDRICAL_SURFACE('',#{frame},3.)"));
+    let face = w.face(&bounds, cylinder, true);
+    let face = one(w, face);
+    check(&face, TAU * 15.0 - 3.0);
+    assert!(!face.is_untrimmed);
+    // The trim is one turn wide, with the hole inside.
+    let [from, to] = face.domain[0];
+    assert!((to - from - TAU).abs() < 1e-9);
+    assert!(face.trim[1].iter().all(|place| place[0] > from && place[0] < to));
+    check_box(&face, [-3.0, -3.0, 0.0], [3.0, 3.0, 5.0]);
+}
+
+#[test]
+fn loops_that_begin_where_the_angle_jumps_are_joined() {
+    // Circles that begin at half a turn, where the angle of the start is half a turn up or down.
+    for (x, z) in
+        [(X, UP), (X, [0.0, 0.0, -1.0]), ([-1.0, 0.0, 0.0], UP), ([-1.0, 0.0, 0.0], [0.0, 0.0, -1.0])]
+    {
+        for y in [0.0, 1e-16, -1e-16] {
+            let mut w = Writer::new(Length::Millimetre);
+            let rings = [0.0, 5.0].map(|h| {
+                let frame = w.frame([0.0, 0.0, h], z, x);
+                let (curve, vertex) = (w.add(format!("CIRCLE('',#{frame},3.)")), w.vertex([-3.0, y, h]));
+                w.edge([vertex, vertex], curve)
+            });
+            let face = wall(&mut w, 3.0, rings, z[2] < 0.0);
+            let face = one(w, face);
+            check(&face, TAU * 15.0);
+            assert!(face.is_untrimmed && face.edge_deviation_mm < 1e-9);
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 pub mod arcs;
 pub mod assembly;
-mod bulge;
+pub mod bulge;
 mod chains;
 mod copies;
 mod faces;

@@ -11,6 +11,7 @@
 
 pub mod grid;
 mod header;
+mod neighbours;
 mod writing;
 
 use toolpathd_core::budget::Budget;
@@ -23,6 +24,9 @@ pub use writing::Writing;
 
 /// Lines between two looks at the budget.
 const LINES_PER_CHECK: u32 = 4096;
+
+/// The largest coordinate that counts as one, in any unit.
+const LARGEST: f64 = 1e9;
 
 /// The most columns.
 const MOST_COLUMNS: usize = 64;
@@ -61,6 +65,10 @@ pub fn read(bytes: &[u8], limit: usize, budget: &Budget) -> Result<PointText, Un
         if Writing::of(line).is_some() {
             break (line, number);
         }
+        if writing::is_broken_point(line) {
+            let detail = "some of its numbers are missing or broken: leave the line out";
+            return Err(Unreadable::at(Place::Line(number.into()), detail));
+        }
         header.add(line);
         if number.is_multiple_of(LINES_PER_CHECK) {
             budget.check()?;
@@ -73,7 +81,8 @@ pub fn read(bytes: &[u8], limit: usize, budget: &Budget) -> Result<PointText, Un
         let detail = format!("there are {n_columns} numbers; a point has two or three");
         return Err(Unreadable::at(Place::Line(number.into()), detail));
     }
-    let mut rows = Rows { writing, n_columns, values: Vec::new(), lines: Vec::new(), limit };
+    let mut rows =
+        Rows { writing, is_decided: false, n_columns, values: Vec::new(), lines: Vec::new(), limit };
     rows.add(first, number)?;
     for (line, number) in lines {
         rows.add(line, number)?;
@@ -81,12 +90,14 @@ pub fn read(bytes: &[u8], limit: usize, budget: &Budget) -> Result<PointText, Un
             budget.check()?;
         }
     }
-    Ok(rows.points(&header))
+    rows.points(&header)
 }
 
 /// The rows of numbers of a text.
 struct Rows {
     writing: Writing,
+    /// Whether a number has shown what a decimal sign is.
+    is_decided: bool,
     n_columns: usize,
     /// All numbers, row after row.
     values: Vec<f64>,
@@ -100,7 +111,10 @@ impl Rows {
         if line.trim().is_empty() || is_comment(line) {
             return Ok(());
         }
-        let numbers = self.writing.numbers(line).map_err(|detail| Unreadable::at(at, detail))?;
+        let numbers = self.numbers(line).map_err(|detail| Unreadable::at(at, detail))?;
+        if let Some(far) = numbers.iter().find(|value| value.abs() > LARGEST) {
+            return Err(Unreadable::at(at, format!("{far:e} is no coordinate")));
+        }
         if numbers.len() != self.n_columns {
             let detail =
                 format!("there are {} numbers; the lines before have {}", numbers.len(), self.n_columns);
@@ -114,30 +128,44 @@ impl Rows {
         Ok(())
     }
 
-    fn points(self, header: &Header) -> PointText {
+    /// The numbers of a line. As long as all numbers were whole, the decimal sign may still turn out to be a
+    /// comma.
+    fn numbers(&mut self, line: &str) -> Result<Vec<f64>, String> {
+        let numbers = self.writing.numbers(line).or_else(|fault| {
+            let with_comma = Writing { has_decimal_comma: true, ..self.writing };
+            if self.is_decided || self.writing.separator == ',' {
+                return Err(fault);
+            }
+            let numbers = with_comma.numbers(line).map_err(|_| fault)?;
+            self.writing = with_comma;
+            Ok(numbers)
+        })?;
+        self.is_decided |= line.contains(['.', ',']);
+        Ok(numbers)
+    }
+
+    fn points(self, header: &Header) -> Result<PointText, Unreadable> {
         let Self { writing, n_columns, values, lines, .. } = self;
         let columns = header.columns(n_columns).unwrap_or_else(|| usual_columns(&values, n_columns));
         let of_row = |row: &[f64]| columns.map(|column| column.map_or(0.0, |column| row[column]));
         let points: Vec<[f64; 3]> = values.chunks_exact(n_columns).map(of_row).collect();
         let mut left_out = LeftOuts::default();
         for column in (0..n_columns).filter(|column| !columns.contains(&Some(*column))) {
-            let name = header.name(column).map_or_else(|| format!("column {}", column + 1), str::to_owned);
+            let name = header
+                .name(column, n_columns)
+                .map_or_else(|| format!("column {}", column + 1), str::to_owned);
             left_out.add(
                 &name,
                 "it is no coordinate",
                 Place::Line(lines.first().copied().unwrap_or(1).into()),
             );
         }
+        let unit = header.unit().map_err(|header::UnitsDiffer| {
+            let detail = "its headers state several units of length; bring the columns to one";
+            Unreadable::at(Place::File, detail)
+        })?;
         let (points, lines) = without_doubles(points, lines, &mut left_out);
-        PointText {
-            points,
-            lines,
-            unit: header.unit(),
-            writing,
-            n_columns,
-            columns,
-            left_out: left_out.list(),
-        }
+        Ok(PointText { points, lines, unit, writing, n_columns, columns, left_out: left_out.list() })
     }
 }
 

@@ -12,6 +12,7 @@
 //! # Cost
 //! O(n log n) for n points.
 
+use super::neighbours;
 use toolpathd_core::budget::{Budget, Stopped};
 
 /// The part of the least spacing by which two points are apart if they belong to different rows.
@@ -37,7 +38,7 @@ pub struct Grid {
     /// The largest distance of a point from the middle of its row or column in plan, in the unit of the
     /// points.
     pub off: f64,
-    /// The least distance of neighbours, in the unit of the points.
+    /// A small distance of nearest neighbours, in the unit of the points: one in twenty is smaller.
     pub spacing: f64,
 }
 
@@ -67,7 +68,7 @@ pub fn grid(points: &[[f64; 3]], within: Option<f64>, budget: &Budget) -> Result
     }
     let middle = middle(points);
     let plan: Vec<[f64; 2]> = points.iter().map(|p| [p[0] - middle[0], p[1] - middle[1]]).collect();
-    let neighbours = nearest(&plan, budget)?;
+    let neighbours = neighbours::ways(&plan, budget)?;
     let spacing = least_spacing(&neighbours);
     if spacing <= 0.0 {
         let point = neighbours.iter().position(|offset| *offset == [0.0; 2]).unwrap_or_default();
@@ -122,56 +123,6 @@ fn middle(points: &[[f64; 3]]) -> [f64; 2] {
 fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     [x * cos - y * sin, x * sin + y * cos]
-}
-
-/// For each point the way to its nearest neighbour in plan.
-fn nearest(plan: &[[f64; 2]], budget: &Budget) -> Result<Vec<[f64; 2]>, Stopped> {
-    // Cells of a raster with two points on average, sorted by cell.
-    let reach = plan.iter().flatten().fold(0.0_f64, |reach, value| reach.max(value.abs()));
-    let across = ((plan.len() as f64 / 2.0).sqrt().ceil() as i64).max(1);
-    let size = (2.0 * reach / across as f64).max(f64::MIN_POSITIVE);
-    let cell = |p: [f64; 2]| p.map(|value| (((value + reach) / size) as i64).clamp(0, across - 1));
-    let key = |[i, j]: [i64; 2]| j * across + i;
-    let mut sorted: Vec<(i64, usize)> = plan.iter().enumerate().map(|(k, &p)| (key(cell(p)), k)).collect();
-    sorted.sort_unstable();
-    let in_cell = |at: i64| {
-        let first = sorted.partition_point(|(cell, _)| *cell < at);
-        sorted[first..].iter().take_while(move |(cell, _)| *cell == at).map(|(_, k)| *k)
-    };
-    let mut all = Vec::with_capacity(plan.len());
-    for (k, &p) in plan.iter().enumerate() {
-        if k % 1024 == 0 {
-            budget.check()?;
-        }
-        let [i, j] = cell(p);
-        let (mut best, mut best_squared) = ([0.0; 2], f64::INFINITY);
-        // Rings of cells, until no point of the next ring can be nearer.
-        for ring in 0..across {
-            let free = (ring as f64 - 1.0) * size;
-            if free > 0.0 && free * free > best_squared {
-                break;
-            }
-            for other in ring_cells([i, j], ring, across).flat_map(|at| in_cell(key(at))).filter(|o| *o != k)
-            {
-                let way = [plan[other][0] - p[0], plan[other][1] - p[1]];
-                let squared = way[0] * way[0] + way[1] * way[1];
-                if squared < best_squared {
-                    (best, best_squared) = (way, squared);
-                }
-            }
-        }
-        all.push(best);
-    }
-    Ok(all)
-}
-
-/// The cells at a distance of `ring` cells.
-fn ring_cells([i, j]: [i64; 2], ring: i64, across: i64) -> impl Iterator<Item = [i64; 2]> {
-    let side = (-ring..=ring).flat_map(move |dj| {
-        let step = if dj.abs() == ring { 1 } else { (2 * ring).max(1) };
-        (-ring..=ring).step_by(step as usize).map(move |di| [i + di, j + dj])
-    });
-    side.filter(move |cell| cell.iter().all(|index| (0..across).contains(index)))
 }
 
 fn least_spacing(neighbours: &[[f64; 2]]) -> f64 {

@@ -22,6 +22,8 @@ fn every_way_of_writing_gives_the_same_points() {
         "1,5 -2,0 0,25\n2,0 3,5 -0,001\n",
         "  1.5   -2.  .25  \n\n# a remark\n2 3.5 -1D-3\n",
         "\u{feff}x;y;z\n1,5;-2;0,25\n2;3,5;-0,001\n",
+        "1.5 , -2 , 0.25\n2 ,3.5 ,-0.001\n",
+        "z,y,x\nmm,mm,mm\n---,---,---\n0.25,-2,1.5\n-0.001,3.5,2\n",
         "z y x\n0.25 -2 1.5\n-0.001 3.5 2\n",
         "1 1.5 -2 0.25\n2 2 3.5 -0.001\n",
         "\"Number\",\"X [mm]\",\"Y [mm]\",\"Z [mm]\"\n7,1.5,-2,0.25\n9,2,3.5,-0.001\n",
@@ -40,6 +42,12 @@ fn headers_state_the_unit() {
         ("X (m), Y (m), Z (m)", Some(Unit::Metre)),
         ("x y z", None),
         ("measured in room m", None),
+        ("# all units in mm", Some(Unit::Millimetre)),
+        ("Einheiten in mm", Some(Unit::Millimetre)),
+        ("x (in mm);y (in mm);z (in mm)", Some(Unit::Millimetre)),
+        ("# Operator (M. Smith), units: mm", Some(Unit::Millimetre)),
+        ("# unit: in", Some(Unit::Inch)),
+        ("x [in] y [in] z [in]", Some(Unit::Inch)),
     ] {
         let text = read_text(&format!("{head}\n1 2 3\n")).unwrap_or_else(|fault| panic!("{head}: {fault}"));
         assert_eq!(text.unit, unit, "{head}");
@@ -55,6 +63,11 @@ fn what_is_no_point_is_refused_with_its_line() {
         ("1 2 3\n\n4 5 x\n", 3),
         ("1 2 3\n4 5 inf\n", 2),
         ("1 2 3\n4 5 1e999\n", 2),
+        ("1 2 3\n4 5 1e12\n", 2),
+        ("0 0 nan\n1 2 3\n", 1),
+        ("x;y;z\n0;;0\n1;2;3\n", 2),
+        ("nan nan nan\n1 2 3\n", 1),
+        ("1,5;2;3\n1.5;2;3\n", 2),
     ] {
         let fault = read_text(text).expect_err(text);
         assert!(fault.to_string().starts_with(&format!("line {line}:")), "{text}: {fault}");
@@ -129,4 +142,25 @@ fn what_is_no_grid_is_refused_with_a_point() {
     let scattered: Vec<[f64; 3]> =
         (0..400).map(|k| [(f64::from(k) * 0.618).fract(), (f64::from(k) * 0.7548).fract(), 0.0]).collect();
     assert!(grid(&scattered, None, &budget).is_err());
+}
+
+#[test]
+fn headers_with_several_units_are_refused() {
+    for head in ["x [mm];y [mm];z [\u{b5}m]", "# unit: mm\n# unit: inch"] {
+        assert!(read_text(&format!("{head}\n1;2;3\n")).is_err(), "{head}");
+    }
+}
+
+#[test]
+fn whole_numbers_leave_the_decimal_sign_open() {
+    assert_eq!(points_of("0;0;0\n1;2;3\n1,5;2;3\n")[2], [1.5, 2.0, 3.0]);
+    assert_eq!(points_of("1, 2, 3\n1.5, 2, 3\n")[1], [1.5, 2.0, 3.0]);
+    assert_eq!(points_of("10 ,20 ,30\n1 ,2 ,3\n")[0], [10.0, 20.0, 30.0]);
+}
+
+#[test]
+fn a_point_far_away_from_many_does_not_make_the_search_slow() {
+    let mut points = lattice(300, 300, 0.0, 0.0);
+    points.push([1e8, 1e8, 0.0]);
+    assert!(matches!(grid(&points, None, &Budget::unlimited()), Err(NoGrid::Ragged { .. })));
 }

@@ -17,10 +17,14 @@ impl Writing {
     /// `1,5 2,5 0,1`. Where commas stand before blanks, or nothing else divides the line, commas separate.
     pub fn of(line: &str) -> Option<Self> {
         let line = line.trim();
+        // A comma beside a blank stands between numbers, and not within one.
+        let has_loose_comma = line.contains(", ") || line.contains(" ,");
         let candidates: &[(char, bool)] = if line.contains(';') {
             &[(';', false), (';', true)]
         } else if line.contains('\t') {
             &[('\t', false), ('\t', true), (' ', false), (' ', true), (',', false)]
+        } else if has_loose_comma {
+            &[(',', false)]
         } else {
             &[(' ', false), (' ', true), (',', false)]
         };
@@ -45,9 +49,7 @@ impl Writing {
     }
 
     fn number(self, word: &str) -> Result<f64, String> {
-        if word.is_empty()
-            || ["nan", "null", "none", "n/a", "-"].contains(&word.to_ascii_lowercase().as_str())
-        {
+        if is_missing(word) {
             return Err("a number is missing: leave the line out".to_owned());
         }
         let not_read = || format!("\"{}\" is no number", word.chars().take(40).collect::<String>());
@@ -57,7 +59,11 @@ impl Writing {
         }
         let mut plain = word.replace(['d', 'D'], "e");
         if self.has_decimal_comma {
-            if plain.contains('.') || plain.matches(',').count() > 1 {
+            let is_between_digits = plain.split_once(',').is_none_or(|(before, behind)| {
+                before.ends_with(|c: char| c.is_ascii_digit())
+                    && behind.starts_with(|c: char| c.is_ascii_digit())
+            });
+            if plain.contains('.') || plain.matches(',').count() > 1 || !is_between_digits {
                 return Err(not_read());
             }
             plain = plain.replace(',', ".");
@@ -74,4 +80,27 @@ impl Writing {
             _ => "blanks",
         }
     }
+}
+
+/// Whether a word stands for a missing number.
+fn is_missing(word: &str) -> bool {
+    word.is_empty() || ["nan", "null", "none", "n/a", "-"].contains(&word.to_ascii_lowercase().as_str())
+}
+
+/// Whether a line that is no point was meant as one: two of its words or more are numbers, or one is a number
+/// and the others are missing.
+pub fn is_broken_point(line: &str) -> bool {
+    let line = line.trim();
+    if line.starts_with(['#', '%', '!', '/']) {
+        return false;
+    }
+    let separator = [';', '\t', ','].into_iter().find(|separator| line.contains(*separator));
+    let words: Vec<&str> = match separator {
+        Some(separator) => line.split(separator).map(|word| word.trim().trim_matches('"')).collect(),
+        None => line.split_whitespace().collect(),
+    };
+    let is_number = |word: &&&str| word.parse::<f64>().is_ok_and(f64::is_finite);
+    let n_numbers = words.iter().filter(is_number).count();
+    let n_missing = words.iter().filter(|word| is_missing(word)).count();
+    n_numbers > 1 || n_missing > 0 && n_numbers + n_missing == words.len() && words.len() > 1
 }

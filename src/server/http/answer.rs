@@ -32,6 +32,7 @@ use utoipa::ToSchema;
 
 use super::byte_limit::ByteLimit;
 use super::compute::{Compute, Failure, Size, Step};
+use super::decode::files::Places;
 use super::decode::{IntoJob, SentJob};
 use super::dto::answer::{Answer, Head, NoMembers, PathMembers, PointMembers};
 use super::dto::check::MAX_MAGNITUDE_MM;
@@ -230,16 +231,17 @@ where
     let room = compute.decoding_room();
     let job = move |budget: &Budget| {
         let begun = Instant::now();
-        let SentJob { job, remarks } = match sent {
+        let SentJob { job, remarks, places } = match sent {
             Sent::Job(job) => job,
             Sent::Body(body) => body.job(&limits, &room, budget)?,
         };
         let parsed = Instant::now();
         tell_begun.tell();
-        let mut outcome = plan(job, budget)?;
+        let mut outcome = plan(job, budget).map_err(|error| places.in_error(error))?;
+        places.in_warnings(&mut outcome.warnings);
         outcome.warnings.splice(0..0, remarks);
         let computed = Instant::now();
-        let encoded = represent(outcome, &form, budget)?;
+        let encoded = represent(outcome, &places, &form, budget)?;
         let encoded = if is_streamed { encoded } else { encoded.sealed(form.with_gzip)? };
         let encoded = encoded.held_in(&memory)?;
         let timing = Timing {
@@ -339,13 +341,16 @@ fn warning_codes(warnings: &[Warning]) -> String {
 /// Encodes the outcome in the form that the caller wants.
 fn represent<R: Serialize + ToSchema, P: Product>(
     mut outcome: Outcome<R, P>,
+    places: &Places,
     form: &Form,
     budget: &Budget,
 ) -> Result<Encoded, ApiError> {
     if let Some(cut) = outcome.product.cut() {
         check_range(&cut.toolpath)?;
     }
-    outcome.warnings.extend(cautions(&outcome.product));
+    let mut cautions = cautions(&outcome.product);
+    places.in_warnings(&mut cautions);
+    outcome.warnings.extend(cautions);
     let codes = warning_codes(&outcome.warnings);
     let job_order = retry::job_order(outcome.meta.as_ref());
     let program = program_for(&outcome, form, budget)?;

@@ -33,7 +33,7 @@ use super::messages::Warning;
 use super::pointer::Pointer;
 use crate::config::Limits;
 use contract::{Checked, Contract};
-use files::{FileReading, SentFiles};
+use files::{FileReading, Places, SentFiles};
 use json::{Unread, text_of};
 use object::Object;
 use toolpathd_core::budget::Budget;
@@ -64,15 +64,20 @@ pub trait IntoJob: DeserializeOwned + ToSchema + Send + 'static {
 pub struct SentJob<J> {
     pub job: J,
     pub remarks: Vec<Warning>,
+    /// Where the parts of the request were sent, as far as files have moved them.
+    pub places: Places,
 }
 
 impl<J> SentJob<J> {
     fn of<T: IntoJob<Job = J>>(mut request: T, mut reading: FileReading) -> Result<Self, ApiError> {
         let limits = reading.limits;
         request.read_files(&mut reading);
-        let mut remarks = reading.result()?;
-        remarks.extend(request.put_right(limits));
-        Ok(Self { job: request.into_job(limits)?, remarks })
+        let (mut remarks, places) = reading.result()?;
+        let mut put_right = request.put_right(limits);
+        places.in_warnings(&mut put_right);
+        remarks.extend(put_right);
+        let job = request.into_job(limits).map_err(|error| places.in_error(error))?;
+        Ok(Self { job, remarks, places })
     }
 }
 

@@ -328,3 +328,56 @@ async fn a_face_of_a_solid_is_milled() {
         assert_eq!(sent.violations(), [(code.to_owned(), pointer.to_owned())], "{}", sent.text());
     }
 }
+
+#[tokio::test]
+async fn the_box_of_a_drawing_holds_its_arcs() {
+    // A slot: its ends are half circles that bulge outward.
+    let sent = send(INSPECT, None, &[("part", "plate.dxf", &arcs())]).await.json();
+    let bounds = &sent["report"]["bounds"];
+    let near = |value: &Value, expected: f64| (value.as_f64().unwrap_or(f64::NAN) - expected).abs() < 0.02;
+    assert!(near(&bounds["min"][0], -5.0) && near(&bounds["max"][0], 25.0), "{bounds}");
+    assert!(near(&bounds["min"][1], 0.0) && near(&bounds["max"][1], 10.0), "{bounds}");
+}
+
+/// A slot of 30 x 10 mm as one polyline.
+fn arcs() -> String {
+    let vertices = [[0.0, 0.0, 0.0], [20.0, 0.0, 1.0], [20.0, 10.0, 0.0], [0.0, 10.0, 1.0]];
+    let vertices = vertices.map(|[x, y, bulge]| format!("10\n{x}\n20\n{y}\n42\n{bulge}\n"));
+    format!(
+        "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n8\n0\n90\n4\n70\n1\n{}0\nENDSEC\n0\nEOF\n",
+        vertices.concat()
+    )
+}
+
+#[tokio::test]
+async fn faults_behind_a_file_of_several_regions_stand_where_they_were_sent() {
+    let file = json!({ "kind": "file", "name": "plate.dxf", "layer": "POCKETS" });
+    let crossed = json!({ "boundary": [[0, 0], [1e9, 0], [0, 5]] });
+    let job = pocket(json!([file, crossed]));
+    let sent = send("/v1/pockets/plan", Some(&job), &[("part", "plate.dxf", PLATE)]).await;
+    assert_eq!(
+        sent.violations(),
+        [("too_large".into(), "#/regions/1/boundary/1/0".into())],
+        "{}",
+        sent.text()
+    );
+}
+
+#[tokio::test]
+async fn a_fault_of_what_a_file_holds_stands_at_its_name() {
+    // A point far off the surface of its neighbours.
+    let spoilt = bowl().replacen(";2,0", ";92,0", 1);
+    let job = json!({ "surface": { "kind": "file", "name": "bowl.csv" } });
+    let sent = send("/v1/surfaces/model", Some(&job), &[("part", "bowl.csv", &spoilt)]).await;
+    assert_eq!(sent.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", sent.text());
+    assert!(sent.violations().iter().all(|(_, pointer)| pointer == "#/surface/name"), "{}", sent.text());
+    assert!(sent.json()["errors"][0]["detail"].as_str().is_some_and(|detail| detail.contains("bowl.csv")));
+}
+
+#[tokio::test]
+async fn a_request_refers_to_files_a_limited_number_of_times() {
+    let file = json!({ "kind": "file", "name": "plate.dxf", "layer": "POCKETS", "wall": 0 });
+    let job = pocket(json!(vec![file; 65]));
+    let sent = send("/v1/pockets/plan", Some(&job), &[("part", "plate.dxf", PLATE)]).await;
+    assert_eq!(sent.violations(), [("limit_exceeded".into(), "#/regions/64".into())], "{}", sent.text());
+}

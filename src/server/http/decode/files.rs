@@ -14,6 +14,57 @@ use crate::http::messages::{Warning, WarningCode};
 use crate::http::pointer::Pointer;
 use toolpathd_core::budget::{Budget, Stopped};
 
+/// The most references to files in a request.
+const MOST_REFERENCES: usize = 64;
+
+/// What was sent at one place and is judged at another, because files were put in the place of references.
+#[derive(Debug, Clone)]
+struct Moved {
+    judged: Pointer,
+    sent: Pointer,
+    /// The name of the file, where the part is from a file.
+    file: Option<String>,
+}
+
+/// Where the parts of a request that are judged were sent.
+#[derive(Debug, Clone, Default)]
+pub struct Places(Vec<Moved>);
+
+impl Places {
+    /// The pointer in the request as it was sent, and the name of the file, for a pointer in the request as
+    /// it is judged. `None` where the two are the same.
+    fn sent(&self, judged: &str) -> Option<(String, Option<&str>)> {
+        self.0.iter().find_map(|Moved { judged: from, sent, file }| {
+            let rest = judged.strip_prefix(from.as_str())?;
+            if !(rest.is_empty() || rest.starts_with('/')) {
+                return None;
+            }
+            Some(match file {
+                Some(name) => (sent.field("name").as_str().to_owned(), Some(name.as_str())),
+                None => (format!("{}{rest}", sent.as_str()), None),
+            })
+        })
+    }
+
+    /// The same error, with the places in the request as it was sent.
+    pub fn in_error(&self, error: ApiError) -> ApiError {
+        if self.0.is_empty() { error } else { error.moved(|judged| self.sent(judged)) }
+    }
+
+    /// Puts the places of the request as it was sent into warnings.
+    pub fn in_warnings(&self, warnings: &mut [Warning]) {
+        for warning in warnings {
+            let sent = warning.pointer.as_deref().and_then(|judged| self.sent(judged));
+            if let Some((sent, file)) = sent {
+                if let Some(name) = file {
+                    warning.detail = format!("`{name}`: {}", warning.detail);
+                }
+                warning.pointer = Some(sent);
+            }
+        }
+    }
+}
+
 /// A file of a request.
 #[derive(Debug, Clone)]
 pub struct SentFile {
@@ -59,19 +110,39 @@ pub struct FileReading<'a> {
     pub budget: &'a Budget,
     pub violations: Violations,
     warnings: Vec<Warning>,
+    n_references: usize,
+    places: Places,
     stopped: Option<Stopped>,
 }
 
 impl<'a> FileReading<'a> {
     pub fn new(files: &'a SentFiles, limits: &'a Limits, budget: &'a Budget) -> Self {
         let is_used = vec![false; files.all().len()];
-        let (violations, warnings) = (Violations::default(), Vec::new());
-        Self { files, is_used, limits, budget, violations, warnings, stopped: None }
+        Self {
+            files,
+            is_used,
+            limits,
+            budget,
+            violations: Violations::default(),
+            warnings: Vec::new(),
+            n_references: 0,
+            places: Places::default(),
+            stopped: None,
+        }
     }
 
     /// The name and the bytes of the file to which the object at `at` refers: by name, or with the file in
     /// base64. `None` with a violation where there is no such file.
     pub fn file(&mut self, at: &Pointer, name: &str, base64: Option<&str>) -> Option<Bytes> {
+        self.n_references += 1;
+        if self.n_references > MOST_REFERENCES {
+            let detail = format!(
+                "this is reference {}; a request refers to files at most {MOST_REFERENCES} times",
+                self.n_references
+            );
+            self.violations.add(at, FieldCode::LimitExceeded, detail);
+            return None;
+        }
         let position = self.files.position(name);
         if let Some(position) = position {
             self.is_used[position] = true;
@@ -114,6 +185,11 @@ impl<'a> FileReading<'a> {
         format!("the request has no file `{name}`; there is {}", names.join(", "))
     }
 
+    /// Tells that what was sent at `sent` is judged at `judged`; `file` is its name where it is from a file.
+    pub fn moved(&mut self, judged: Pointer, sent: Pointer, file: Option<&str>) {
+        self.places.0.push(Moved { judged, sent, file: file.map(str::to_owned) });
+    }
+
     /// Ends the reading, because the budget has ended.
     pub fn stop(&mut self, stopped: Stopped) {
         self.stopped.get_or_insert(stopped);
@@ -124,12 +200,12 @@ impl<'a> FileReading<'a> {
         self.warnings.push(Warning::new(code, detail).about(at));
     }
 
-    /// What is to be told.
+    /// What is to be told, and where what is judged was sent.
     ///
     /// # Errors
     /// `invalid_request` with every violation, among them each file to which nothing refers; the reason when
     /// the budget has ended.
-    pub fn result(mut self) -> Result<Vec<Warning>, ApiError> {
+    pub fn result(mut self) -> Result<(Vec<Warning>, Places), ApiError> {
         if let Some(stopped) = self.stopped {
             return Err(stopped.into());
         }
@@ -138,6 +214,6 @@ impl<'a> FileReading<'a> {
             self.violations.add(&Pointer::root(), FieldCode::UnknownFile, detail);
         }
         self.violations.result()?;
-        Ok(self.warnings)
+        Ok((self.warnings, self.places))
     }
 }

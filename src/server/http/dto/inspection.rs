@@ -29,7 +29,7 @@ pub struct InspectRequest {
     /// The file. Default: the only file beside the job in a body of `multipart/form-data`.
     #[serde(default, deserialize_with = "object::optional")]
     file: Option<InspectedFile>,
-    /// The unit of the file. Default: the unit that the file states; where it states none, the report is in
+    /// The unit of the file, in place of the one that it states. Default: the unit that the file states; where it states none, the report is in
     /// the numbers of the file, and the answer warns.
     units: Option<FileUnits>,
     /// The layer of a drawing whose curves count. Default: all layers.
@@ -124,7 +124,7 @@ impl IntoJob for InspectRequest {
 pub struct InspectReport {
     /// The format of the file.
     pub format: FileFormat,
-    /// The unit that the file states, or else `units` of the request. Absent where neither states one: then
+    /// `units` of the request, or else the unit that the file states. Absent where neither states one: then
     /// all lengths of the report are in the numbers of the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub units: Option<FileUnits>,
@@ -342,7 +342,7 @@ struct GridReport {
     n_columns: usize,
     /// The direction of the rows against x, in degrees.
     angle_deg: f64,
-    /// The least distance of neighbours in plan, in mm.
+    /// A small distance of neighbours in plan, in mm: one in twenty points has a nearer one.
     spacing_mm: f64,
     /// The largest distance of a point from its row or its column in plan, in mm.
     off_max_mm: f64,

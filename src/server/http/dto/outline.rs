@@ -33,6 +33,9 @@ use toolpathd_core::operations::pocketing as core;
 pub use vertex::Vertex;
 use weld::Corner;
 
+/// The most regions of a request.
+pub const MOST_REGIONS: usize = 1000;
+
 /// The most islands of a pocket.
 const MAX_ISLANDS: usize = 10_000;
 
@@ -75,17 +78,38 @@ impl Region {
         if let Self::File(file) = self
             && let Some(region) = file.region(at, reading)
         {
+            reading.moved(at.clone(), at.clone(), Some(file.file_name()));
             *self = Self::Walled(region);
         }
     }
 
     /// As [`Self::read_file`] for a list: a file may hold several regions.
     pub fn read_files(all: &mut Vec<Self>, at: &Pointer, reading: &mut FileReading) {
-        let read = |(k, region): (usize, Self)| match region {
-            Self::File(file) => file.regions(&at.index(k), reading).unwrap_or_default(),
-            Self::Walled(region) => vec![region],
-        };
-        *all = std::mem::take(all).into_iter().enumerate().flat_map(read).map(Self::Walled).collect();
+        if all.len() > MOST_REGIONS || !all.iter().any(|region| matches!(region, Self::File(_))) {
+            return;
+        }
+        let mut read = Vec::with_capacity(all.len());
+        let mut n_vertices = 0;
+        for (k, region) in std::mem::take(all).into_iter().enumerate() {
+            let (sent, first) = (at.index(k), read.len());
+            let file = match region {
+                Self::Walled(region) => {
+                    read.push(region);
+                    None
+                }
+                Self::File(file) => {
+                    read.extend(file.regions(&sent, reading).unwrap_or_default());
+                    Some(file)
+                }
+            };
+            let name = file.as_ref().map(RegionFile::file_name);
+            (first..read.len()).for_each(|judged| reading.moved(at.index(judged), sent.clone(), name));
+            n_vertices += read[first..].iter().map(WalledRegion::n_vertices).sum::<usize>();
+            if !reading.violations.count_of_points(&sent, n_vertices, 0, reading.limits.curve_points) {
+                break;
+            }
+        }
+        *all = read.into_iter().map(Self::Walled).collect();
     }
 
     /// The number of all vertices, or of pieces of texts.

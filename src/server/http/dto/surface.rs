@@ -54,6 +54,7 @@ impl Surface {
         if let Self::File(file) = self
             && let Some(surface) = file.surface(at, reading)
         {
+            reading.moved(at.clone(), at.clone(), Some(file.file_name()));
             *self = surface;
         }
     }

@@ -16,6 +16,7 @@ use super::representation::GCODE;
 use crate::config::{Limits, Settings};
 use crate::http::byte_limit::HeldBytes;
 use crate::http::compute::room::Room;
+use crate::http::decode::files::Places;
 use crate::http::decode::{self, IntoJob, SentJob};
 use crate::http::error::{ApiError, Code};
 use toolpathd_core::budget::Budget;
@@ -104,20 +105,21 @@ type Make<T> =
     dyn Fn(&Bytes, &Limits, &Budget) -> Result<SentJob<<T as IntoJob>::Job>, ApiError> + Send + Sync;
 
 impl<T: IntoJob> JobBody<T> {
-    /// Whether the body has at most [`SHORT_BYTES`] as it was sent.
+    /// Whether the body has at most [`SHORT_BYTES`] as it was sent, and no files: reading a file may take long.
     pub fn may_be_short(&self) -> bool {
-        self.body.bytes.len() <= SHORT_BYTES
+        self.body.bytes.len() <= SHORT_BYTES && !self.has_parts
     }
 
     /// As [`Self::job`], where the body has at most [`SHORT_BYTES`] without its content coding; `None` for a
-    /// longer body.
+    /// longer body, and for one that may hold a file.
     pub fn short_job(&self, limits: &Limits, budget: &Budget) -> Option<Result<SentJob<T::Job>, ApiError>> {
         let text = match self.body.coding {
             Coding::Identity => self.body.bytes.clone(),
             // A body beyond the limit of bodies is refused by [`Self::job`].
             Coding::Gzip => gunzip(&self.body.bytes, SHORT_BYTES.min(self.body.limit)).ok()?.into(),
         };
-        (text.len() <= SHORT_BYTES).then(|| (self.make)(&text, limits, budget))
+        let is_short = text.len() <= SHORT_BYTES && !may_hold_file(&text);
+        is_short.then(|| (self.make)(&text, limits, budget))
     }
 
     /// Decodes the body as a `T` and checks it, when there is enough of `room`. Belongs on a thread that
@@ -146,7 +148,7 @@ impl<T: IntoJob> JobBody<T> {
         make: impl Fn(&[u8], &Limits) -> Result<T::Job, ApiError> + Send + Sync + 'static,
     ) -> Result<Self, ApiError> {
         let make = move |text: &Bytes, limits: &_, _: &_| {
-            Ok(SentJob { job: make(text, limits)?, remarks: Vec::new() })
+            Ok(SentJob { job: make(text, limits)?, remarks: Vec::new(), places: Places::default() })
         };
         let body = SentBody::read(request, limits).await?;
         Ok(Self { body, bytes_for_each: BYTES_FOR_EACH, has_parts: false, make: Arc::new(make) })
@@ -161,8 +163,8 @@ impl<T: IntoJob> JobBody<T> {
     pub fn then(self, change: impl Fn(T::Job) -> T::Job + Send + Sync + 'static) -> Self {
         let Self { body, bytes_for_each, has_parts, make } = self;
         let make = move |bytes: &Bytes, limits: &_, budget: &_| {
-            let SentJob { job, remarks } = make(bytes, limits, budget)?;
-            Ok(SentJob { job: change(job), remarks })
+            let SentJob { job, remarks, places } = make(bytes, limits, budget)?;
+            Ok(SentJob { job: change(job), remarks, places })
         };
         Self { body, bytes_for_each, has_parts, make: Arc::new(make) }
     }
@@ -175,8 +177,8 @@ impl<T: IntoJob> JobBody<T> {
     ) -> Self {
         let Self { body, bytes_for_each, has_parts, make } = self;
         let make = move |bytes: &Bytes, limits: &_, budget: &_| {
-            let SentJob { job, remarks } = make(bytes, limits, budget)?;
-            Ok(SentJob { job: change(job, bytes)?, remarks })
+            let SentJob { job, remarks, places } = make(bytes, limits, budget)?;
+            Ok(SentJob { job: change(job, bytes)?, remarks, places })
         };
         Self { body, bytes_for_each: bytes_for_each + BYTES_OF_TREE, has_parts, make: Arc::new(make) }
     }
@@ -209,6 +211,13 @@ where
         let body = SentBody::read(request, BodyLimits::from_ref(state)).await?;
         Ok(Self { body, bytes_for_each: BYTES_FOR_EACH, has_parts, make })
     }
+}
+
+/// Whether a body of JSON may hold a file in base64: it has the member's name, or an escape with which a name
+/// may be written.
+fn may_hold_file(text: &[u8]) -> bool {
+    let text = std::str::from_utf8(text).unwrap_or_default();
+    text.contains("base64") || text.contains("\\u")
 }
 
 /// What makes a job from a body with these headers.

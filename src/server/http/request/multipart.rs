@@ -21,7 +21,7 @@ const JOB: &str = "job";
 /// The most files of a request.
 const MOST_FILES: usize = 16;
 
-/// The most characters of a name.
+/// The most bytes of a name.
 const LONGEST_NAME: usize = 200;
 
 /// The parts of a body.
@@ -42,7 +42,7 @@ pub fn boundary(headers: &HeaderMap) -> Result<String, ApiError> {
     })
 }
 
-/// Divides a body at its boundary. The files share the memory of the body.
+/// Divides a body at its boundary. The parts are copies.
 ///
 /// # Errors
 /// `bad_request` where the body is not of this form, has too many parts, or two of one name.
@@ -61,7 +61,7 @@ async fn read(body: Bytes, boundary: &str) -> Result<Parts, ApiError> {
             return Err(bad("a part of the body has no name"));
         }
         if [&part, file_name.as_ref().unwrap_or(&part)].iter().any(|name| name.len() > LONGEST_NAME) {
-            return Err(bad(format!("a part of the body has a name of over {LONGEST_NAME} characters")));
+            return Err(bad(format!("a part of the body has a name of over {LONGEST_NAME} bytes")));
         }
         let bytes = field.bytes().await.map_err(|error| unreadable(&error))?;
         if part == JOB {

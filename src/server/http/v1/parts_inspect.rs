@@ -23,6 +23,7 @@ use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_part::drawing::Drawing;
+use toolpathd_part::drawing::bulge::segments;
 use toolpathd_part::dxf::{self, DxfOptions};
 use toolpathd_part::fault::Unreadable;
 use toolpathd_part::format::Format;
@@ -164,7 +165,8 @@ fn drawing(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     let all = picture.walls.iter().chain(&picture.curve).flatten();
     let bounds = FileBox::around(all.map(|point| [point.x, point.y, point.z]));
     let report = DrawingReport::from(&drawing);
-    let shape = Shape::Loops(drawing.loops.iter().map(|own| elements(&own.vertices, true)).collect());
+    let shape =
+        Shape::Loops(drawing.loops.iter().map(|own| segments(&own.vertices, true).collect()).collect());
     let Drawing { unit, left_out, .. } = drawing;
     let drawing = Some(report);
     let (format, has_unit) = (FileFormat::Dxf, unit.is_some());
@@ -233,19 +235,9 @@ fn model(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     })
 }
 
-/// The lines and arcs of a chain of vertices with bulges.
-fn elements(vertices: &[[f64; 3]], is_closed: bool) -> Vec<Segment> {
-    let next = vertices.iter().cycle().skip(1);
-    let n_elements = if is_closed { vertices.len() } else { vertices.len().saturating_sub(1) };
-    let element = |(&[x, y, bulge], &[to_x, to_y, _]): (&[f64; 3], &[f64; 3])| {
-        Segment::bulging([x, y].into(), [to_x, to_y].into(), bulge)
-    };
-    vertices.iter().zip(next).take(n_elements).map(element).collect()
-}
-
 /// The points of a chain of vertices with bulges, in the plane z = 0.
 fn polyline(vertices: &[[f64; 3]], is_closed: bool) -> Vec<Point3<f64>> {
-    let elements = elements(vertices, is_closed);
+    let elements: Vec<Segment> = segments(vertices, is_closed).collect();
     let mut points = Vec::with_capacity(elements.len() + 1);
     for element in &elements {
         let count = (element.turn().abs() / LARGEST_TURN).ceil().max(1.0) as usize;

@@ -25,6 +25,9 @@ pub const CURVE_TOLERANCE_MM: f64 = 0.001;
 pub const GAPS: Range = Range { min: 0.0, max: 10.0 };
 pub const CURVE_TOLERANCES: Range = Range { min: 1e-5, max: 1.0 };
 
+/// Most layers that a sentence names.
+const MOST_NAMES: usize = 20;
+
 /// Most curves of a drawing for each vertex that an outline may have.
 const CURVES_FOR_EACH_VERTEX: usize = 4;
 
@@ -48,8 +51,8 @@ pub struct RegionFile {
     #[schema(max_length = 255)]
     layer: Option<String>,
     /// The wall, by the number of its loop in the drawing, as `/v1/parts/inspect` counts them with the same
-    /// layer; the loops right inside it are its islands. Default: `region` takes the only outermost loop, and
-    /// `regions` all outermost loops and the loops inside their islands.
+    /// layer, gap and tolerance; the loops right inside it are its islands. Default: `region` takes the only outermost loop, and
+    /// `regions` all outermost loops and the loops inside their islands. An island may be named, too.
     #[schema(minimum = 0, maximum = 1_000_000)]
     wall: Option<usize>,
     /// Largest gap between the ends of curves that counts as a joint, in mm. Gaps that are bridged are
@@ -62,6 +65,11 @@ pub struct RegionFile {
 }
 
 impl RegionFile {
+    /// The name by which the request refers to the file.
+    pub fn file_name(&self) -> &str {
+        &self.name
+    }
+
     /// The only region of the file; `None` with a violation where there are none, or several.
     pub fn region(&self, at: &Pointer, reading: &mut FileReading) -> Option<WalledRegion> {
         let mut all = self.regions(at, reading)?;
@@ -140,10 +148,12 @@ impl RegionFile {
 
     /// Why a drawing has no walls.
     fn nothing(&self, drawing: &Drawing) -> String {
-        let layers: Vec<String> = drawing.layers.iter().map(|layer| format!("`{}`", layer.name)).collect();
-        match (&self.layer, drawing.open.first()) {
+        let layers = drawing.layers.iter().take(MOST_NAMES);
+        let layers: Vec<String> = layers.map(|layer| format!("`{}`", layer.name)).collect();
+        let nearest = drawing.open.iter().min_by(|a, b| a.gap_mm.total_cmp(&b.gap_mm));
+        match (&self.layer, nearest) {
             (_, Some(open)) => format!(
-                "there is no closed loop; {} chains are open, the first by {:.4} mm on layer `{}`: send a larger `gap_mm`",
+                "there is no closed loop; {} chains are open, the least by {:.4} mm, on layer `{}`: close it, or send a larger `gap_mm` where that is a rounding",
                 drawing.open.len(),
                 open.gap_mm,
                 open.layer

@@ -2,16 +2,13 @@
 
 use crate::config::Limits;
 use crate::http::dto::check::Violations;
-use crate::http::dto::outline::Region;
+use crate::http::dto::outline::{MOST_REGIONS, Region};
 use crate::http::dto::schema::{array_of, reference, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::segment::Segment;
 use toolpathd_core::operations::pocketing::{LevelOrder, Outlines, Regions, Sequence};
-
-/// The most regions.
-pub const MOST_REGIONS: usize = 1000;
 
 schema_of!(RegionList of Region, "Pockets of the same floor.", {
     array_of(reference::<Region>(), 1, MOST_REGIONS)

@@ -55,6 +55,11 @@ schema_of!(FaceNumbers, "Numbers of faces, counted from 0.", {
 const WITHIN: Range = Range { min: 0.0, max: 1000.0 };
 
 impl SurfaceFile {
+    /// The name by which the request refers to the file.
+    pub fn file_name(&self) -> &str {
+        &self.name
+    }
+
     /// The surface of the file; `None` with a violation where there is none.
     pub fn surface(&self, at: &Pointer, reading: &mut FileReading) -> Option<Surface> {
         let before = reading.violations.total();

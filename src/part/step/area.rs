@@ -26,11 +26,12 @@ const SHARE: f64 = 1e-8;
 /// The same as a part of the square of the size of the face, which counts for slivers without an area.
 const LEAST_SHARE: f64 = 1e-12;
 
-/// A point of an edge is on the surface within this distance, mm. Over a fillet of 1 mm it changes areas by 1e-7.
+/// A point of an edge is on the surface within this distance, mm. Over a fillet of 1 mm it changes areas by
+/// 1e-7.
 const ON_SURFACE_MM: f64 = 1e-7;
 
-/// The step of a difference quotient, as a part of the distance of two samples. Its error is the square of it, and
-/// rounding is 1e-12 of it.
+/// The step of a difference quotient, as a part of the distance of two samples. Its error is the square of
+/// it, and rounding is 1e-12 of it.
 const STEP: f64 = 1e-3;
 
 /// The area within a trim, mm2.

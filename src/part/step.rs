@@ -192,7 +192,7 @@ fn distinct_faces(
         budget.check()?;
         budget.progress("faces", k, n);
         let (number, units) = wanted[k];
-        let outline = (Geometry { source, units }).face(number);
+        let outline = (Geometry { source, units, budget }).face(number);
         match outline.and_then(|outline| face_building::face(outline, budget)) {
             Ok(face) => Ok(Ok(face)),
             Err(Refusal::Shape(omission)) => Ok(Err(omission)),

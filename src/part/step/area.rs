@@ -26,6 +26,14 @@ const SHARE: f64 = 1e-8;
 /// The same as a part of the square of the size of the face, which counts for slivers without an area.
 const LEAST_SHARE: f64 = 1e-12;
 
+/// A point of an edge is on the surface within this distance, mm. Over a fillet of 1 mm it changes areas by
+/// 1e-7.
+const ON_SURFACE_MM: f64 = 1e-7;
+
+/// The step of a difference quotient, as a part of the distance of two samples. Its error is the square of
+/// it, and rounding is 1e-12 of it.
+const STEP: f64 = 1e-3;
+
 /// The area within a trim, mm2.
 ///
 /// # Errors
@@ -77,11 +85,21 @@ fn rough(surface: &Surface, trim: &Trim) -> f64 {
 
 /// The field along an edge, per unit of the edge's parameter.
 fn along(sampler: &Sampler, edge: &Edge, [a, b]: [&Sample; 2], t: f64, start: [f64; 2]) -> f64 {
-    let share = (t - a.t) / (b.t - a.t);
-    let near = [0, 1].map(|k| a.at[k] + (b.at[k] - a.at[k]) * share);
-    let at = sampler.place(edge, t, Some(near));
-    let (_, du, dv) = sampler.search.surface.jet(at);
-    let change = newton_step(&du, &dv, &edge.curve.jet(t).1);
+    let near = |t: f64| {
+        let share = (t - a.t) / (b.t - a.t);
+        [0, 1].map(|k| a.at[k] + (b.at[k] - a.at[k]) * share)
+    };
+    let at = sampler.place(edge, t, Some(near(t)));
+    let (on_surface, du, dv) = sampler.search.surface.jet(at);
+    let (point, speed) = edge.curve.jet(t);
+    let change = if (point - on_surface).norm() <= ON_SURFACE_MM {
+        newton_step(&du, &dv, &speed)
+    } else {
+        // Beside a curved surface the nearest point moves faster or slower than the point of the edge.
+        let step = STEP * (b.t - a.t);
+        let ends = [t - step, t + step].map(|t| sampler.place(edge, t, Some(near(t))));
+        [0, 1].map(|k| (ends[1][k] - ends[0][k]) / (2.0 * step))
+    };
     let field = field(sampler.search.surface, at, start);
     field[0] * change[0] + field[1] * change[1]
 }

@@ -14,7 +14,7 @@ use super::parameter_search::ParameterSearch;
 use super::piece::{BoundPiece, Sampler};
 use super::refusal::Refusal;
 use super::surface::Surface;
-use super::trim::Trim;
+use super::trim::{Trim, Untrimmed};
 
 /// An edge may leave the surface by this much, mm, and this part of the size of the face.
 const EDGE_MISS_MM: f64 = 0.1;
@@ -43,7 +43,10 @@ pub fn face(outline: FaceOutline, budget: &Budget) -> Result<Face, Refusal> {
     let search = ParameterSearch::new(&surface);
     let sampler = Sampler::new(&search, 0.0);
     let slices: Vec<&[Edge]> = directed.iter().map(Vec::as_slice).collect();
-    let trim = Trim::of(&search, &slices, size_mm).map_err(refuse)?;
+    let trim = Trim::of(&search, &slices, size_mm, budget).map_err(|untrimmed| match untrimmed {
+        Untrimmed::Unbounded(reason) => refuse(reason),
+        Untrimmed::Stopped(stopped) => stopped.into(),
+    })?;
     let edge_deviation_mm = edge_deviation(&search, &trim, &edges);
     if edge_deviation_mm.is_nan() || edge_deviation_mm > EDGE_MISS_MM + EDGE_MISS_SHARE * size_mm {
         return Err(refuse("its edges are not on its surface"));

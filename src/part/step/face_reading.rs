@@ -96,6 +96,10 @@ impl Geometry<'_> {
             "VERTEX_LOOP" => return Ok(None),
             "EDGE_LOOP" => {
                 let numbers = of.references(1)?;
+                if numbers.len() > MOST_EDGES {
+                    let reason = "a bound has more than 100000 edges";
+                    return Err(Refusal::shape(instance.kind(), reason, instance.place()));
+                }
                 numbers.iter().map(|number| self.oriented_edge(*number)).collect::<Result<Vec<_>, _>>()?
             }
             "POLY_LOOP" => polygon(&self.points(&of.references(1)?)?),
@@ -112,6 +116,7 @@ impl Geometry<'_> {
     }
 
     fn oriented_edge(&self, number: u32) -> Result<Edge, Refusal> {
+        self.budget.check()?;
         let oriented = self.source.get(number)?;
         let part = oriented.part("ORIENTED_EDGE")?;
         let mut edge = self.edge(part.reference(3)?)?;

@@ -1,6 +1,7 @@
 //! Points, directions and placements of a file, in mm.
 
 use nalgebra::{Point3, Vector3};
+use toolpathd_core::budget::Budget;
 
 use super::frame::{Frame, Similarity};
 use super::instance::{Instance, Source};
@@ -12,6 +13,7 @@ use crate::fault::Unreadable;
 pub struct Geometry<'a> {
     pub source: &'a Source<'a>,
     pub units: Units,
+    pub budget: &'a Budget,
 }
 
 impl Geometry<'_> {

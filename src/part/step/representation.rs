@@ -28,6 +28,7 @@ struct Representation {
 /// Representations by number; nodes by the least number of their representations.
 struct Graph<'a> {
     source: &'a Source<'a>,
+    budget: &'a Budget,
     representations: BTreeMap<u32, Representation>,
     node_of: BTreeMap<u32, u32>,
     uses: BTreeMap<u32, Vec<Use>>,
@@ -51,6 +52,7 @@ struct Relation {
 pub fn placed_items(source: &Source, budget: &Budget) -> Result<Found, Unreadable> {
     let mut graph = Graph {
         source,
+        budget,
         representations: BTreeMap::new(),
         node_of: BTreeMap::new(),
         uses: BTreeMap::new(),
@@ -217,7 +219,8 @@ impl Graph<'_> {
     }
 
     fn geometry(&self, representation: u32) -> Geometry<'_> {
-        Geometry { source: self.source, units: self.representations[&representation].units }
+        let units = self.representations[&representation].units;
+        Geometry { source: self.source, units, budget: self.budget }
     }
 
     /// The similarity from the child to its parent.
@@ -320,7 +323,7 @@ impl Graph<'_> {
             open.push(mapped);
         }
         let origin = self.geometry(mapped).frame(origin)?;
-        let geometry = Geometry { source: self.source, units };
+        let geometry = Geometry { source: self.source, units, budget: self.budget };
         Ok((mapped, geometry.mapping(&origin, part.reference(first + 1)?)?))
     }
 }

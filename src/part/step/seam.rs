@@ -45,7 +45,8 @@ impl Seam<'_> {
         }
     }
 
-    /// Begins two loops, of which the first goes round upwards and the second downwards, at the ends of a seam.
+    /// Begins two loops, of which the first goes round upwards and the second downwards, at the ends of a
+    /// seam.
     pub fn begin_beside(&self, a: &mut Chain, b: &mut Chain, along: usize) {
         let line = self.line(a, along);
         let (of_a, of_b) = (self.crossings(a, along, line), self.crossings(b, along, line));
@@ -67,8 +68,8 @@ impl Seam<'_> {
         }
     }
 
-    /// The value of a parameter at the seam: between two samples of the loop, where no hole is beside. Samples
-    /// themselves are avoided, because loops often begin at the same value but for rounding.
+    /// The value of a parameter at the seam: between two samples of the loop, where no hole is beside.
+    /// Samples themselves are avoided, because loops often begin at the same value but for rounding.
     fn line(&self, chain: &Chain, along: usize) -> f64 {
         let period = self.sampler.periods[along].unwrap_or(f64::MAX);
         let is_free = |value: &f64| {

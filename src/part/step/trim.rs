@@ -11,6 +11,8 @@
 //! # Degenerate input
 //! Where a surface is not closed, bounds in the wrong direction are turned round.
 
+use toolpathd_core::budget::{Budget, Stopped};
+
 use super::chain::Chain;
 use super::model::Edge;
 use super::parameter_search::ParameterSearch;
@@ -36,18 +38,43 @@ pub struct Trim {
     pub chains: Vec<Chain>,
 }
 
+/// Why loops make no trim.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Untrimmed {
+    /// They bound no face: why, as a clause.
+    Unbounded(&'static str),
+    Stopped(Stopped),
+}
+
+impl From<&'static str> for Untrimmed {
+    fn from(reason: &'static str) -> Self {
+        Self::Unbounded(reason)
+    }
+}
+
+impl From<Stopped> for Untrimmed {
+    fn from(stopped: Stopped) -> Self {
+        Self::Stopped(stopped)
+    }
+}
+
 impl Trim {
     /// The trim of loops whose edges go round the surface's own normal.
     ///
     /// # Errors
-    /// Why the loops bound no face, as a clause.
-    pub fn of(search: &ParameterSearch, loops: &[&[Edge]], size_mm: f64) -> Result<Self, &'static str> {
+    /// The loops bound no face, or the budget has ended.
+    pub fn of(
+        search: &ParameterSearch,
+        loops: &[&[Edge]],
+        size_mm: f64,
+        budget: &Budget,
+    ) -> Result<Self, Untrimmed> {
         let sampler = Sampler::new(search, POLYGON_SHARE * size_mm);
         let mut first = 0;
         let mut closed = Vec::new();
         let mut turning = Vec::new();
         for edges in loops {
-            let chain = chain(&sampler, edges, first, GAP_MM + GAP_SHARE * size_mm)?;
+            let chain = chain(&sampler, edges, first, GAP_MM + GAP_SHARE * size_mm, budget)?;
             first += edges.len();
             let Some(chain) = chain else { continue };
             if chain.turns == [0, 0] {
@@ -66,7 +93,7 @@ impl Trim {
                 let second = turning.remove(1);
                 chains.push(joined(&seam, turning.remove(0), second)?);
             }
-            _ => return Err("its bounds go round the surface more than twice"),
+            _ => return Err("its bounds go round the surface more than twice".into()),
         }
         arrange(search.surface, &mut chains, closed)?;
         shift_holes(&sampler, &mut chains);
@@ -80,15 +107,17 @@ fn chain(
     edges: &[Edge],
     first: usize,
     gap_mm: f64,
-) -> Result<Option<Chain>, &'static str> {
+    budget: &Budget,
+) -> Result<Option<Chain>, Untrimmed> {
     let mut chain: Option<Chain> = None;
     let mut last_pole = None;
     let mut first_pole = None;
     for (k, edge) in edges.iter().enumerate() {
+        budget.check()?;
         let before = &edges[(k + edges.len() - 1) % edges.len()];
         let gap = (edge.start() - before.end()).norm();
         if gap.is_nan() || gap > gap_mm {
-            return Err("the edges of a bound do not meet");
+            return Err("the edges of a bound do not meet".into());
         }
         let near = chain.as_ref().map(Chain::end);
         for Part { mut piece, poles } in sampler.parts(edge, first + k, near) {

@@ -1,8 +1,10 @@
 //! Broken files end in an error or in what can be read, and never in a panic.
 
+use std::time::{Duration, Instant};
+
 use toolpathd_core::budget::{Budget, Stopped};
 
-use super::shapes::{ring, sphere, square, wall};
+use super::shapes::{level, ring, sphere, square, wall};
 use super::writer::{Length, Writer, read_text};
 use crate::fault::{Place, Unreadable};
 use crate::step::{Model, read};
@@ -216,4 +218,23 @@ fn a_stopped_budget_ends_the_reading() {
     let budget = Budget::unlimited();
     budget.cancel();
     assert_eq!(read(file().as_bytes(), &budget), Err(Unreadable::Stopped(Stopped::Cancelled)));
+}
+
+/// A face of many edges, each of which is a curve of many control points.
+#[test]
+fn the_deadline_ends_the_reading_of_one_face() {
+    let mut w = Writer::new(Length::Millimetre);
+    let points: Vec<String> =
+        (0..20_000).map(|k| format!("#{}", w.point([f64::from(k), f64::from(k % 2), 0.0]))).collect();
+    let curve = w.add(format!("BEZIER_CURVE('',1,({}),.UNSPECIFIED.,.F.,.F.)", points.join(",")));
+    let ends = [w.vertex([0.0; 3]), w.vertex([19_999.0, 1.0, 0.0])];
+    let edge = w.edge(ends, curve);
+    let edges: Vec<(usize, bool)> = (0..20_000).map(|k| (edge, k % 2 == 0)).collect();
+    let bound = w.bound(&edges);
+    let face = level(&mut w, &[bound], 0.0);
+    let text = w.of_faces(&[face]);
+    let begun = Instant::now();
+    let budget = Budget::unlimited().with_deadline(begun + Duration::from_millis(200));
+    assert_eq!(read(text.as_bytes(), &budget), Err(Unreadable::Stopped(Stopped::DeadlinePassed)));
+    assert!(begun.elapsed() < Duration::from_secs(20));
 }

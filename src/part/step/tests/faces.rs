@@ -381,3 +381,26 @@ fn loops_that_begin_where_the_angle_jumps_are_joined() {
         }
     }
 }
+
+#[test]
+fn edges_beside_a_surface_bound_what_is_nearest_to_them() {
+    // Quarter circles of radius 3.02 about the axis of a cylinder of radius 3, at heights 0 and 5.
+    let mut w = Writer::new(Length::Millimetre);
+    let corners = [[3.02, 0.0, 0.0], [0.0, 3.02, 0.0], [0.0, 3.02, 5.0], [3.02, 0.0, 5.0]];
+    let vertices = corners.map(|p| w.vertex(p));
+    let arcs = [0.0, 5.0].map(|z| {
+        let frame = w.upright([0.0, 0.0, z]);
+        w.add(format!("CIRCLE('',#{frame},3.02)"))
+    });
+    let arcs = [w.edge([vertices[0], vertices[1]], arcs[0]), w.edge([vertices[3], vertices[2]], arcs[1])];
+    let sides = [w.line(corners[1], corners[2]), w.line(corners[3], corners[0])];
+    let sides = [w.edge([vertices[1], vertices[2]], sides[0]), w.edge([vertices[3], vertices[0]], sides[1])];
+    let bound = w.bound(&[(arcs[0], true), (sides[0], true), (arcs[1], false), (sides[1], true)]);
+    let frame = w.upright([0.0; 3]);
+    let cylinder = w.add(format!("CYLINDRICAL_SURFACE('',#{frame},3.)"));
+    let face = w.face(&[bound], cylinder, true);
+    let face = one(w, face);
+    assert!((face.edge_deviation_mm - 0.02).abs() < 1e-9);
+    assert!((face.area_mm2 / (7.5 * PI) - 1.0).abs() < 1e-9, "{}", face.area_mm2);
+    assert!(face.is_untrimmed);
+}

@@ -54,6 +54,40 @@ pub fn reversed(vertices: &[[f64; 3]], is_closed: bool) -> Vec<[f64; 3]> {
         .collect()
 }
 
+/// Whether a place lies inside a loop. Within rounding of the loop either answer may come.
+pub fn is_inside(vertices: &[[f64; 3]], [x, y]: [f64; 2]) -> bool {
+    // Crossings of the ray along x with the chords, and places between an arc and its chord.
+    let mut is_inside = false;
+    for [from, to] in pairs(vertices, true) {
+        if (from[1] > y) != (to[1] > y) && x < from[0] + (y - from[1]) / (to[1] - from[1]) * (to[0] - from[0])
+        {
+            is_inside = !is_inside;
+        }
+        is_inside ^= is_beside_chord(from, to, [x, y]);
+    }
+    is_inside
+}
+
+/// Whether a place lies between an arc and its chord.
+fn is_beside_chord(from: [f64; 3], to: [f64; 3], [x, y]: [f64; 2]) -> bool {
+    let bulge = from[2];
+    let chord = [to[0] - from[0], to[1] - from[1]];
+    let squared = chord[0] * chord[0] + chord[1] * chord[1];
+    if bulge == 0.0 || squared == 0.0 {
+        return false;
+    }
+    let at = [x - from[0], y - from[1]];
+    // A positive bulge lies to the right of the chord.
+    let left = chord[0] * at[1] - chord[1] * at[0];
+    if (left < 0.0) != (bulge > 0.0) {
+        return false;
+    }
+    // From a place inside the circle on the arc's side the chord is seen under a larger angle than from the arc.
+    let [a, b] = [[-at[0], -at[1]], [to[0] - x, to[1] - y]];
+    let angle = (a[0] * b[1] - a[1] * b[0]).abs().atan2(a[0] * b[0] + a[1] * b[1]);
+    angle > std::f64::consts::PI - 2.0 * bulge.abs().atan()
+}
+
 fn pairs(vertices: &[[f64; 3]], is_closed: bool) -> impl Iterator<Item = [[f64; 3]; 2]> + '_ {
     let n = vertices.len();
     let count = if is_closed { n } else { n.saturating_sub(1) };
@@ -129,5 +163,25 @@ mod tests {
             let found = area_beside_chord([0.0, 0.0, b], [1.0, 0.0, 0.0]);
             assert!((found / exact - 1.0).abs() < 1e-11, "{b} {found} {exact}");
         }
+    }
+
+    #[test]
+    fn places_inside_a_loop_are_told_from_those_outside() {
+        // A square with a half circle outward on the right and one inward on the top.
+        let own = [[0.0, 0.0, 0.0], [10.0, 0.0, 1.0], [10.0, 10.0, -1.0], [0.0, 10.0, 0.0]];
+        for ([x, y], expected) in [
+            ([1.0, 1.0], true),
+            ([14.0, 5.0], true),
+            ([14.0, 9.0], false),
+            ([5.0, 9.0], false),
+            ([5.0, 4.0], true),
+            ([0.5, 9.0], true),
+            ([-1.0, 5.0], false),
+            ([5.0, 14.0], false),
+        ] {
+            assert_eq!(is_inside(&own, [x, y]), expected, "{x}, {y}");
+        }
+        let circle = [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]];
+        assert!(is_inside(&circle, [0.1, 0.9]) && !is_inside(&circle, [0.8, 0.8]));
     }
 }

@@ -366,7 +366,7 @@ async fn faults_behind_a_file_of_several_regions_stand_where_they_were_sent() {
 #[tokio::test]
 async fn a_fault_of_what_a_file_holds_stands_at_its_name() {
     // A point far off the surface of its neighbours.
-    let spoilt = bowl().replacen(";2,0", ";92,0", 1);
+    let spoilt = bowl().replace("25;20;0,03125", "25;20;90");
     let job = json!({ "surface": { "kind": "file", "name": "bowl.csv" } });
     let sent = send("/v1/surfaces/model", Some(&job), &[("part", "bowl.csv", &spoilt)]).await;
     assert_eq!(sent.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", sent.text());
@@ -380,4 +380,24 @@ async fn a_request_refers_to_files_a_limited_number_of_times() {
     let job = pocket(json!(vec![file; 65]));
     let sent = send("/v1/pockets/plan", Some(&job), &[("part", "plate.dxf", PLATE)]).await;
     assert_eq!(sent.violations(), [("limit_exceeded".into(), "#/regions/64".into())], "{}", sent.text());
+}
+
+#[tokio::test]
+async fn an_island_that_is_not_closed_is_refused_unless_the_request_ignores_it() {
+    let island = "0\nLWPOLYLINE\n8\nPOCKETS\n90\n3\n70\n0\n10\n20\n20\n30\n10\n30\n20\n30\n10\n30\n20\n45\n";
+    let plate = PLATE.replace("  0\nENDSEC\n  0\nEOF", &format!("{island}0\nENDSEC\n0\nEOF"));
+    assert_ne!(plate, PLATE);
+    let job = |more: Value| {
+        let mut file = json!({ "kind": "file", "name": "plate.dxf", "layer": "POCKETS" });
+        for (name, value) in more.as_object().into_iter().flatten() {
+            file[name] = value.clone();
+        }
+        pocket(json!([file]))
+    };
+    let files = [("part", "plate.dxf", plate.as_str())];
+    let refused = send("/v1/pockets/plan", Some(&job(json!({}))), &files).await;
+    assert_eq!(refused.violations(), [("conflict".into(), "#/regions/0/name".into())], "{}", refused.text());
+    let ignored = send("/v1/pockets/plan", Some(&job(json!({ "open_curves": "ignore" }))), &files).await;
+    assert_eq!(ignored.status, StatusCode::OK, "{}", ignored.text());
+    assert!(ignored.json()["warnings"].to_string().contains("open_curves"));
 }

@@ -93,12 +93,7 @@ impl Reference<'_> {
         if let (Some(sent), Some(stated)) = (sent, stated)
             && sent != stated
         {
-            let detail = format!(
-                "`{}` states {}, and is read in {}, as `units` says",
-                self.name,
-                words(stated),
-                words(sent)
-            );
+            let detail = units_overridden(self.name, stated, sent);
             reading.warn(self.at, WarningCode::UnitsOverridden, detail);
         }
         let unit = sent.or(stated);
@@ -126,8 +121,13 @@ impl Reference<'_> {
     }
 }
 
+/// The sentence about a file that states another unit than the request.
+pub fn units_overridden(name: &str, stated: Unit, sent: Unit) -> String {
+    format!("`{name}` states {}, and is read in {}, as `units` says", words(stated), words(sent))
+}
+
 /// A unit in words.
-pub fn words(unit: Unit) -> &'static str {
+fn words(unit: Unit) -> &'static str {
     match unit {
         Unit::Micrometre => "micrometres",
         Unit::Millimetre => "mm",

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use crate::http::answer::model::{PART_CHORD_MM, Solids};
 use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
-use crate::http::dto::file::format_name;
+use crate::http::dto::file::{format_name, units_overridden};
 use crate::http::dto::inspection::{
     DrawingReport, FileBox, FileFormat, InspectReport, InspectRequest, Inspection, LeftOutReport,
     ModelContents, PointsReport,
@@ -136,6 +136,12 @@ fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, Sh
         let detail =
             format!("`{}` states no unit of length: the figures are in the numbers of the file", job.name);
         warnings.push(Warning::new(WarningCode::FileUnitMissing, detail));
+    }
+    if let (Some(sent), Some(stated)) = (job.units.map(Unit::from), found.unit)
+        && sent != stated
+    {
+        let detail = units_overridden(&job.name, stated, sent);
+        warnings.push(Warning::new(WarningCode::UnitsOverridden, detail));
     }
     let Found { format, bounds, drawing, model, points, left_out, shape, picture, .. } = found;
     let left_out = left_out.iter().map(LeftOutReport::from).collect();

@@ -11,7 +11,7 @@ use crate::http::dto::file::{FileUnits, Reference, format_name};
 use crate::http::error::FieldCode;
 use crate::http::messages::WarningCode;
 use crate::http::pointer::Pointer;
-use toolpathd_part::drawing::{Drawing, Loop};
+use toolpathd_part::drawing::{Drawing, Loop, OpenChain, bulge};
 use toolpathd_part::dxf::{self, DxfOptions};
 use toolpathd_part::format::Format;
 
@@ -62,6 +62,21 @@ pub struct RegionFile {
     /// Largest distance of splines and ellipses from the arcs in their place, in mm.
     #[schema(minimum = 0.000_01, maximum = 1, default = 0.001)]
     curve_tolerance_mm: Option<f64>,
+    /// What happens where an open chain of curves begins, ends or has its middle within a wall: it may be an
+    /// island that is not closed, and the pocket would be cut through it.
+    #[serde(default)]
+    #[schema(default = "refuse")]
+    open_curves: OpenCurves,
+}
+
+/// What happens to open curves within walls. `refuse`: the drawing is refused. `ignore`: they are no walls, and
+/// the answer warns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+enum OpenCurves {
+    #[default]
+    Refuse,
+    Ignore,
 }
 
 impl RegionFile {
@@ -95,6 +110,16 @@ impl RegionFile {
         }
         let drawing = self.drawing(at, reading)?;
         let walls = self.walls(&drawing, at, reading)?;
+        if self.open_curves == OpenCurves::Refuse
+            && let Some((wall, chain)) = open_within(&drawing, &walls)
+        {
+            let detail = format!(
+                "an open chain of curves on layer `{}` lies within the loop {wall}, and may be an island: its ends are {:.4} mm apart. Close it, send a larger `gap_mm`, choose a `layer`, or send `open_curves: ignore`",
+                chain.layer, chain.gap_mm
+            );
+            self.reference(at).blame(FieldCode::Conflict, &detail, reading);
+            return None;
+        }
         self.tell(&drawing, &walls, at, reading);
         Some(walls.into_iter().map(|wall| region(&drawing.loops, wall)).collect())
     }
@@ -221,6 +246,19 @@ impl RegionFile {
             reading.warn(at, WarningCode::LoopsNested, detail);
         }
     }
+}
+
+/// An open chain within a wall: one of its ends or its middle is inside.
+fn open_within<'d>(drawing: &'d Drawing, walls: &[usize]) -> Option<(usize, &'d OpenChain)> {
+    let within = |wall: usize, chain: &OpenChain| {
+        let n = chain.vertices.len();
+        let mut tried = [0, n / 2, n.saturating_sub(1)].into_iter().filter_map(|k| chain.vertices.get(k));
+        tried.any(|[x, y, _]| bulge::is_inside(&drawing.loops[wall].vertices, [*x, *y]))
+    };
+    walls.iter().find_map(|&wall| {
+        let chain = drawing.open.iter().find(|chain| within(wall, chain))?;
+        Some((wall, chain))
+    })
 }
 
 fn counted(count: usize, noun: &str) -> String {

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::*;
 use crate::http::ENGINE_VERSION;
+use crate::http::decode::files::Places;
 use crate::http::messages::WarningCode;
 use crate::http::request::request_id::RequestId;
 use toolpathd_core::toolpath::Role;
@@ -77,7 +78,7 @@ async fn shown<P: Product>(
         with_gzip: false,
         request_id,
     };
-    let response = represent(outcome, &form, &Budget::unlimited())?.into_response();
+    let response = represent(outcome, &Places::default(), &form, &Budget::unlimited())?.into_response();
     let content_type = response.headers()[header::CONTENT_TYPE].to_str().expect("text").to_owned();
     let body = to_bytes(response.into_body(), usize::MAX).await.expect("a body");
     Ok((content_type, String::from_utf8(body.into()).expect("UTF-8")))

@@ -158,8 +158,9 @@ impl Region {
 impl<'de> Deserialize<'de> for Region {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let object = <&RawValue>::deserialize(deserializer)?;
-        match tagged::optional_kind_of::<D::Error>(object)? {
-            Some(_) => tagged::decode(object).map(Self::File),
+        match tagged::optional_kind_of::<D::Error>(object)?.as_deref() {
+            Some("file") => tagged::decode(object).map(Self::File),
+            Some(_) => Err(D::Error::custom("the kind is unknown")),
             None => tagged::decode(object).map(Self::Walled),
         }
     }

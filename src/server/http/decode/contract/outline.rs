@@ -16,6 +16,35 @@ pub fn tag_of(object: &RawValue, tag: &str) -> serde_json::Result<Option<Value>>
     serde_json::Deserializer::from_str(object.get()).deserialize_map(Tag(tag))
 }
 
+/// The names of the members of an object: of the first hundred.
+pub fn names_of(object: &RawValue) -> serde_json::Result<Vec<String>> {
+    serde_json::Deserializer::from_str(object.get()).deserialize_map(MemberNames)
+}
+
+/// The most names that are kept. No legal object that is told apart by its names has as many.
+const MOST_NAMES: usize = 100;
+
+struct MemberNames;
+
+impl<'de> Visitor<'de> for MemberNames {
+    type Value = Vec<String>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut sent: A) -> Result<Vec<String>, A::Error> {
+        let mut names = Vec::new();
+        while let Some(name) = sent.next_key_seed(Name)? {
+            sent.next_value::<IgnoredAny>()?;
+            if names.len() < MOST_NAMES {
+                names.push(name.into_owned());
+            }
+        }
+        Ok(names)
+    }
+}
+
 struct Tag<'a>(&'a str);
 
 impl<'de> Visitor<'de> for Tag<'_> {

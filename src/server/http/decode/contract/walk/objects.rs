@@ -3,10 +3,10 @@
 use serde::de::DeserializeSeed;
 use serde_json::Value;
 use serde_json::value::RawValue;
-use utoipa::openapi::schema::Discriminator;
+use utoipa::openapi::schema::{Discriminator, Schema};
 
 use super::super::Asked;
-use super::super::outline::tag_of;
+use super::super::outline::{names_of, tag_of};
 use super::{Unchecked, ValueCheck, Walk};
 use crate::http::decode::path::Path;
 use crate::http::decode::words;
@@ -28,6 +28,10 @@ impl<'c> Walk<'c> {
     ) -> serde_json::Result<()> {
         let tag = tag_of(sent, KIND)?.filter(|tag| !tag.is_null());
         let kind = tag.as_ref().and_then(Value::as_str);
+        if tag.is_none() && self.lacks_kind(objects, sent)? {
+            self.missing(&Path::Member(at, KIND), KIND);
+            return Unchecked(self).deserialize(&mut serde_json::Deserializer::from_str(sent.get()));
+        }
         match objects.iter().find(|(own, _)| *own == kind && (kind.is_some() || tag.is_none())) {
             Some((_, asked)) => {
                 let mut reader = serde_json::Deserializer::from_str(sent.get());
@@ -44,6 +48,23 @@ impl<'c> Walk<'c> {
                 Unchecked(self).deserialize(&mut serde_json::Deserializer::from_str(sent.get()))
             }
         }
+    }
+
+    /// Whether an object without a kind has a member that only objects with a kind have.
+    fn lacks_kind(
+        &self,
+        objects: &[(Option<&'c str>, Asked<'c>)],
+        sent: &RawValue,
+    ) -> serde_json::Result<bool> {
+        let members = |asked: &Asked<'c>| match asked.usual {
+            Some((_, Schema::Object(object))) => Some(&object.properties),
+            _ => None,
+        };
+        let has = |with_kind: bool, name: &str| {
+            let chosen = objects.iter().filter(|(kind, _)| kind.is_some() == with_kind);
+            chosen.filter_map(|(_, asked)| members(asked)).any(|members| members.contains_key(name))
+        };
+        Ok(names_of(sent)?.iter().any(|name| has(true, name) && !has(false, name)))
     }
 
     /// An object whose member `kind` says which other members the object has.

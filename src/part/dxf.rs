@@ -96,7 +96,7 @@ pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawi
         );
         return Err(Unreadable::at(Place::File, detail));
     }
-    let file = file::read(bytes, budget)?;
+    let file = file::read(bytes, options.curve_limit.saturating_mul(blocks::ENTITIES_A_CURVE), budget)?;
     let stated = match file.unit.map(file::unit).transpose() {
         Ok(stated) => stated.flatten(),
         Err(_) if options.unit.is_some() => None,

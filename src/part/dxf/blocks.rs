@@ -133,14 +133,12 @@ impl<'a> ModelSpace<'a> {
         let layer = key(layer);
         let hidden = self.hidden.get(&layer).copied();
         match &entity.content {
+            Content::LeftOut(_) => hidden,
+            // What is on a layer that is asked for is read.
+            _ if self.asked.as_ref().is_some_and(|asked| asked.contains(&layer)) => None,
             // A block whose layer is off still shows its entities on other layers.
             Content::Insert(_) => hidden.filter(|reason| *reason == because::FROZEN),
-            Content::LeftOut(_) => hidden,
-            // Curves on a layer that is asked for are read, and others are counted.
-            Content::Curve(_) => match &self.asked {
-                Some(asked) if asked.contains(&layer) => None,
-                _ => hidden,
-            },
+            Content::Curve(_) => hidden,
         }
     }
 

@@ -388,6 +388,10 @@ fn finished(mut drawn: Drawn) -> Result<Drawn, Undrawn> {
             drawn.is_closed = true;
         }
     }
+    if let Some(last) = kept.last_mut().filter(|_| !drawn.is_closed) {
+        // No piece leaves the end of an open curve.
+        last[2] = 0.0;
+    }
     if kept.len() < 2 {
         return Err(Undrawn::LeftOut(because::NO_LENGTH));
     }

@@ -19,6 +19,8 @@ pub struct Drawing {
     /// The unit that the file states. Where neither the file nor the caller states one, all lengths are in
     /// the unknown unit of the file.
     pub unit: Option<Unit>,
+    /// Whether the file states a unit that is not known. The caller's unit counts then.
+    pub unknown_unit: bool,
     /// All layers that hold curves, in the order of their first curve, also those that were not asked for.
     pub layers: Vec<Layer>,
     /// The closed loops, those that hold others before those inside.

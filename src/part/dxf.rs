@@ -21,8 +21,7 @@
 //!   is asked for and holds no curve are errors.
 //!
 //! # Units
-//! The unit is that of $INSUNITS. [`DxfOptions::unit`] serves where the file states none; a job whose unit
-//! differs from the file's is refused. Where neither states a unit, [`Drawing::unit`] is `None`, and all
+//! The unit is [`DxfOptions::unit`], or that of $INSUNITS where the options state none. Where neither states a unit, [`Drawing::unit`] is `None`, and all
 //! lengths are in the unknown unit of the file, and so are the gap and the tolerance. The caller has to ask
 //! for the unit before it mills.
 //!
@@ -96,10 +95,10 @@ pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawi
         );
         return Err(Unreadable::at(Place::File, detail));
     }
-    let file = file::read(bytes, budget)?;
-    let stated = match file.unit.map(file::unit).transpose() {
-        Ok(stated) => stated.flatten(),
-        Err(_) if options.unit.is_some() => None,
+    let file = file::read(bytes, options.curve_limit.saturating_mul(blocks::ENTITIES_A_CURVE), budget)?;
+    let (stated, unknown_unit) = match file.unit.map(file::unit).transpose() {
+        Ok(stated) => (stated.flatten(), false),
+        Err(_) if options.unit.is_some() => (None, true),
         Err(fault) => return Err(fault),
     };
     let drafting =
@@ -112,6 +111,7 @@ pub fn read(bytes: &[u8], options: &DxfOptions, budget: &Budget) -> Result<Drawi
     let assembly = assemble(drawn.curves, &names, drawn.left_out, limits)?;
     Ok(Drawing {
         unit: stated,
+        unknown_unit,
         loops: assembly.loops,
         open: assembly.open,
         branches: assembly.branches,

@@ -21,6 +21,9 @@ const DEEPEST: usize = 16;
 /// The most copies of blocks, as a multiple of the most curves: copies may hold no curve.
 const COPIES_A_CURVE: usize = 4;
 
+/// The most entities that are kept of a file, as a multiple of the most curves: blocks may not be placed.
+pub const ENTITIES_A_CURVE: usize = 4;
+
 /// The most kinds that are told by their names. A file with more is no drawing.
 const MOST_KINDS: usize = 200;
 
@@ -107,13 +110,13 @@ impl<'a> ModelSpace<'a> {
                 self.drafting.budget.check()?;
             }
             // The layer 0 of a block is that of the place where the block is put.
-            let layer = around.filter(|_| entity.layer == "0").unwrap_or(&entity.layer);
+            let layer = around.filter(|_| &*entity.layer == "0").unwrap_or(&entity.layer);
             match self.reason_to_skip(entity, layer) {
-                Some(reason) => self.leave_out(entity, reason),
+                Some(reason) => self.leave_out_all(entity, reason)?,
                 None => match &entity.content {
                     Content::Curve(shape) => self.curve(entity, shape, layer, placement)?,
                     Content::Insert(insert) => self.insert(entity, insert, layer, placement)?,
-                    Content::LeftOut(reason) => self.leave_out(entity, reason),
+                    Content::LeftOut(reason) => self.leave_out_all(entity, reason)?,
                 },
             }
         }
@@ -130,14 +133,12 @@ impl<'a> ModelSpace<'a> {
         let layer = key(layer);
         let hidden = self.hidden.get(&layer).copied();
         match &entity.content {
+            Content::LeftOut(_) => hidden,
+            // What is on a layer that is asked for is read.
+            _ if self.asked.as_ref().is_some_and(|asked| asked.contains(&layer)) => None,
             // A block whose layer is off still shows its entities on other layers.
             Content::Insert(_) => hidden.filter(|reason| *reason == because::FROZEN),
-            Content::LeftOut(_) => hidden,
-            // Curves on a layer that is asked for are read, and others are counted.
-            Content::Curve(_) => match &self.asked {
-                Some(asked) if asked.contains(&layer) => None,
-                _ => hidden,
-            },
+            Content::Curve(_) => hidden,
         }
     }
 
@@ -178,7 +179,7 @@ impl<'a> ModelSpace<'a> {
             is_closed: drawn.is_closed,
             has_written_ends: drawn.has_written_ends,
             layer,
-            kind: entity.kind.clone(),
+            kind: entity.kind.to_string(),
             place: entity.place,
         });
         Ok(())
@@ -244,12 +245,23 @@ impl<'a> ModelSpace<'a> {
         number
     }
 
-    fn leave_out(&mut self, entity: &Entity, reason: &str) {
-        let is_known = self.kinds.contains(&entity.kind) || self.kinds.len() < MOST_KINDS;
-        if is_known {
-            self.kinds.insert(entity.kind.clone());
+    /// Leaves out all entities that this one stands for.
+    fn leave_out_all(&mut self, entity: &Entity, reason: &str) -> Result<(), Unreadable> {
+        for k in 0..entity.count {
+            if k % ENTITIES_BETWEEN_CHECKS == ENTITIES_BETWEEN_CHECKS - 1 {
+                self.drafting.budget.check()?;
+            }
+            self.leave_out(entity, reason);
         }
-        let kind = if is_known { entity.kind.as_str() } else { "other kinds" };
+        Ok(())
+    }
+
+    fn leave_out(&mut self, entity: &Entity, reason: &str) {
+        let is_known = self.kinds.contains(&*entity.kind) || self.kinds.len() < MOST_KINDS;
+        if is_known {
+            self.kinds.insert(entity.kind.to_string());
+        }
+        let kind = if is_known { &*entity.kind } else { "other kinds" };
         self.left_out.add(kind, reason, entity.place);
     }
 }

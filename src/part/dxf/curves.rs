@@ -89,13 +89,27 @@ impl Drafting<'_> {
                 let conic = Conic { center: *center, major: *major, minor: *minor, start: *start, turn };
                 self.conic(&conic, placement, place)?
             }
-            Shape::Nurbs(nurbs) => self.spline(&nurbs_curve(nurbs, placement)?, place)?,
+            Shape::Nurbs(nurbs) => {
+                self.check_points(nurbs.control_points.len(), place)?;
+                self.spline(&nurbs_curve(nurbs, placement)?, place)?
+            }
             Shape::Through { points, tangents } => {
+                self.check_points(points.len(), place)?;
                 self.spline(&curve_through(points, *tangents, placement)?, place)?
             }
         };
         let has_written_ends = matches!(shape, Shape::Line(_) | Shape::Polyline { .. });
         finished(Drawn { vertices, is_closed, has_written_ends, deviation_mm })
+    }
+
+    /// Refuses splines of too many points before they are computed.
+    fn check_points(&self, n_points: usize, place: Place) -> Result<(), Undrawn> {
+        self.budget.check()?;
+        if n_points > self.vertex_limit {
+            let detail = format!("a spline has more than {} points", self.vertex_limit);
+            return Err(Undrawn::Refused(Unreadable::at(place, detail)));
+        }
+        Ok(())
     }
 
     fn arc(
@@ -373,6 +387,10 @@ fn finished(mut drawn: Drawn) -> Result<Drawn, Undrawn> {
             kept.pop();
             drawn.is_closed = true;
         }
+    }
+    if let Some(last) = kept.last_mut().filter(|_| !drawn.is_closed) {
+        // No piece leaves the end of an open curve.
+        last[2] = 0.0;
     }
     if kept.len() < 2 {
         return Err(Undrawn::LeftOut(because::NO_LENGTH));

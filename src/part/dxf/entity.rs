@@ -1,5 +1,8 @@
 //! The entities of a DXF file, as curves, placed blocks, and what is left out.
 
+use std::collections::HashSet;
+use std::rc::Rc;
+
 use super::fields::{Fields, Normal};
 use super::names::{decoded, key};
 use super::polyline;
@@ -11,19 +14,36 @@ use crate::fault::{Place, Unreadable};
 /// An entity that may be drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entity {
-    pub kind: String,
-    pub layer: String,
+    pub kind: Rc<str>,
+    pub layer: Rc<str>,
     pub place: Place,
     pub is_on_paper: bool,
     pub is_invisible: bool,
     pub content: Content,
+    /// How many entities it stands for: more than one only for those that are left out alike.
+    pub count: usize,
+}
+
+/// Names of kinds and layers, each kept once.
+#[derive(Debug, Default)]
+pub struct SharedNames(HashSet<Rc<str>>);
+
+impl SharedNames {
+    fn share(&mut self, name: &str) -> Rc<str> {
+        if let Some(shared) = self.0.get(name) {
+            return shared.clone();
+        }
+        let shared: Rc<str> = name.into();
+        self.0.insert(shared.clone());
+        shared
+    }
 }
 
 /// Reads an entity that consists of its own groups alone.
 ///
 /// # Errors
 /// When a group is broken or absent.
-pub fn read(fields: &Fields) -> Result<Entity, Unreadable> {
+pub fn read(fields: &Fields, names: &mut SharedNames) -> Result<Entity, Unreadable> {
     let content = match fields.kind {
         b"LINE" => line(fields)?,
         b"CIRCLE" => circle(fields)?,
@@ -34,22 +54,34 @@ pub fn read(fields: &Fields) -> Result<Entity, Unreadable> {
         b"INSERT" => insert(fields)?,
         other => Content::LeftOut(because::of_kind(other)),
     };
-    with_content(fields, content)
+    with_content(fields, content, names)
 }
 
 /// An entity with the properties that all kinds have in common.
 ///
 /// # Errors
 /// When a group is broken.
-pub fn with_content(fields: &Fields, content: Content) -> Result<Entity, Unreadable> {
+pub fn with_content(
+    fields: &Fields,
+    content: Content,
+    names: &mut SharedNames,
+) -> Result<Entity, Unreadable> {
     let layer = decoded(fields.text(8));
+    let is_on_paper = fields.integer(67)? == 1;
+    let is_invisible = fields.integer(60)? == 1;
+    let content = match (is_on_paper, is_invisible) {
+        (true, _) => Content::LeftOut(because::ON_PAPER),
+        (_, true) => Content::LeftOut(because::INVISIBLE),
+        _ => content,
+    };
     Ok(Entity {
-        kind: decoded(fields.kind),
-        layer: if layer.is_empty() { "0".to_owned() } else { layer },
+        kind: names.share(&decoded(fields.kind)),
+        layer: names.share(if layer.is_empty() { "0" } else { &layer }),
         place: fields.place(),
-        is_on_paper: fields.integer(67)? == 1,
-        is_invisible: fields.integer(60)? == 1,
+        is_on_paper,
+        is_invisible,
         content,
+        count: 1,
     })
 }
 

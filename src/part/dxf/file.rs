@@ -1,15 +1,17 @@
 //! The sections of a DXF file: its unit, layers, blocks and entities.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use toolpathd_core::budget::Budget;
 
-use super::entity::{self, Entity};
+use super::entity::{self, Entity, SharedNames};
 use super::fields::Fields;
 use super::groups::{Group, Groups, is_blank};
 use super::names::{decoded, key};
 use super::polyline::Polyline;
 use super::reasons as because;
+use super::shape::Content;
 use crate::fault::{Place, Unreadable};
 use crate::left_out::LeftOuts;
 use crate::unit::Unit;
@@ -45,18 +47,48 @@ pub struct Definition {
     pub is_in_another_file: bool,
 }
 
+/// What entities that are left out alike have in common: kind, layer, whether they are on paper, whether they
+/// are invisible, and the reason.
+type Alike = (Rc<str>, Rc<str>, bool, bool, &'static str);
+
+/// The entities of a section or a block. Those that are left out alike are one entity with their count.
+#[derive(Debug, Default)]
+struct Kept {
+    entities: Vec<Entity>,
+    left_out: HashMap<Alike, usize>,
+}
+
+impl Kept {
+    /// Counts an entity with the one that is left out alike; `false` if there is none.
+    fn is_counted(&mut self, entity: &Entity) -> bool {
+        let Content::LeftOut(reason) = entity.content else { return false };
+        let alike =
+            (entity.kind.clone(), entity.layer.clone(), entity.is_on_paper, entity.is_invisible, reason);
+        let next = self.entities.len();
+        let at = *self.left_out.entry(alike).or_insert(next);
+        if let Some(first) = self.entities.get_mut(at) {
+            first.count += 1;
+        }
+        at < next
+    }
+}
+
 struct Reader<'a, 'b> {
     groups: Groups<'a>,
     fields: Fields<'a>,
     budget: &'b Budget,
     n_groups: usize,
     n_entities: usize,
+    names: SharedNames,
+    n_kept: usize,
+    entity_limit: usize,
     file: File<'a>,
 }
 
 /// # Errors
-/// When the file is not whole, a group is broken, or the budget ends.
-pub fn read<'a>(bytes: &'a [u8], budget: &Budget) -> Result<File<'a>, Unreadable> {
+/// When the file is not whole, a group is broken, more than `entity_limit` entities have to be kept, or the
+/// budget ends.
+pub fn read<'a>(bytes: &'a [u8], entity_limit: usize, budget: &Budget) -> Result<File<'a>, Unreadable> {
     let groups = Groups::new(bytes);
     let mut reader = Reader {
         groups,
@@ -64,6 +96,9 @@ pub fn read<'a>(bytes: &'a [u8], budget: &Budget) -> Result<File<'a>, Unreadable
         budget,
         n_groups: 0,
         n_entities: 0,
+        names: SharedNames::default(),
+        n_kept: 0,
+        entity_limit,
         file: File::default(),
     };
     reader.sections()?;
@@ -105,7 +140,10 @@ impl<'a> Reader<'a, '_> {
                     let start = self.next()?;
                     let (entities, end) = self.entities(start)?;
                     expect(end, "ENDSEC")?;
-                    self.file.entities.extend(entities);
+                    match self.file.entities.is_empty() {
+                        true => self.file.entities = entities,
+                        false => self.file.entities.extend(entities),
+                    }
                     has_entities = true;
                 }
                 _ => self.skip_section()?,
@@ -195,7 +233,7 @@ impl<'a> Reader<'a, '_> {
 
     /// The entities from the one that `start` starts, and the group with the word that ends them.
     fn entities(&mut self, start: Group<'a>) -> Result<(Vec<Entity>, Group<'a>), Unreadable> {
-        let mut entities = Vec::new();
+        let mut kept = Kept::default();
         let mut group = start;
         loop {
             if group.code != 0 {
@@ -206,21 +244,37 @@ impl<'a> Reader<'a, '_> {
                 self.budget.check()?;
             }
             match group.text() {
-                b"ENDSEC" | b"ENDBLK" | b"EOF" | b"SECTION" | b"BLOCK" => return Ok((entities, group)),
+                b"ENDSEC" | b"ENDBLK" | b"EOF" | b"SECTION" | b"BLOCK" => {
+                    return Ok((kept.entities, group));
+                }
                 b"POLYLINE" => {
                     let (entity, next) = self.polyline(group)?;
-                    entities.push(entity);
+                    self.keep(entity, &mut kept)?;
                     group = next;
                 }
                 kind => {
                     group = self.fields.read(group, &mut self.groups)?;
                     // It ends the attributes of a block.
                     if kind != b"SEQEND" {
-                        entities.push(entity::read(&self.fields)?);
+                        let entity = entity::read(&self.fields, &mut self.names)?;
+                        self.keep(entity, &mut kept)?;
                     }
                 }
             }
         }
+    }
+
+    /// Keeps an entity, or counts it with one that is left out alike.
+    fn keep(&mut self, entity: Entity, kept: &mut Kept) -> Result<(), Unreadable> {
+        if !kept.is_counted(&entity) {
+            self.n_kept += 1;
+            let limit = self.entity_limit;
+            if self.n_kept > limit {
+                return Err(Unreadable::at(entity.place, format!("there are more than {limit} entities")));
+            }
+            kept.entities.push(entity);
+        }
+        Ok(())
     }
 
     /// A POLYLINE with its vertices, and the group after it.
@@ -234,7 +288,7 @@ impl<'a> Reader<'a, '_> {
         }
         expect(group, "SEQEND")?;
         let next = self.fields.read(group, &mut self.groups)?;
-        let entity = entity::with_content(&head, polyline.content(&head)?)?;
+        let entity = entity::with_content(&head, polyline.content(&head)?, &mut self.names)?;
         Ok((entity, next))
     }
 }

@@ -46,7 +46,7 @@ pub fn read(fields: &Fields) -> Result<Content, Unreadable> {
     Ok(Content::Curve(Shape::Nurbs(Box::new(Nurbs { degree, knots, control_points, weights }))))
 }
 
-/// The curve through fit points. Tangents count if both are given.
+/// The curve through fit points. Tangents count if both are given and the spline is not marked as closed.
 fn through(fields: &Fields, fit: Vec<[f64; 3]>) -> Result<Content, Unreadable> {
     let (mut points, is_flat) = in_plane(&fit);
     points.dedup();
@@ -57,7 +57,7 @@ fn through(fields: &Fields, fit: Vec<[f64; 3]>) -> Result<Content, Unreadable> {
         points.push(*first);
     }
     let tangents = match (points.as_slice(), is_closed) {
-        ([first, _, _, .., last], _) if first == last => Tangents::Closed,
+        ([first, _, _, .., last], true) if first == last => Tangents::Closed,
         _ => match (points_of(fields, 12)?.first(), points_of(fields, 13)?.first()) {
             (Some(start), Some(end)) if is_direction(start) && is_direction(end) => {
                 Tangents::Given([start, end].map(|v| [v[0], v[1]]))

@@ -174,5 +174,19 @@ fn hidden_layers_are_left_out_unless_they_are_asked_for() {
     assert_eq!(left_out(&shown), expected);
     let options = DxfOptions { layers: Some(vec!["Cold".to_owned()]), ..options() };
     let cold = read(text.as_bytes(), &options, &Budget::unlimited()).unwrap();
-    assert_eq!(only(&cold).vertices[0][0], 10.0);
+    // The circle on the layer, and the one of the block that is put on it.
+    let firsts: Vec<f64> = cold.loops.iter().map(|outline| outline.vertices[0][0]).collect();
+    assert_eq!(firsts, [10.0, 1.0]);
+}
+
+#[test]
+fn a_block_on_a_frozen_layer_is_read_if_the_layer_is_asked_for() {
+    let layers = "0\nSECTION\n2\nTABLES\n0\nLAYER\n2\nparts\n70\n1\n62\n7\n0\nENDSEC\n";
+    let blocks = block("L", [0.0, 0.0], &ell());
+    let text = layers.to_owned()
+        + &file_with("", &blocks, &(insert("L", [0.0, 0.0], "") + &circle([9.0, 9.0], 1.0)));
+    let asked = DxfOptions { layers: Some(vec!["Parts".to_owned()]), ..options() };
+    let part = read(text.as_bytes(), &asked, &Budget::unlimited()).unwrap();
+    assert_near(only(&part).area_mm2, 5.0);
+    assert_eq!(left_out(&drawing(&text)), [("INSERT", "its layer is frozen", 1)]);
 }

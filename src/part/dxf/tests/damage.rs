@@ -180,3 +180,32 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn entities_that_are_left_out_alike_are_counted_and_take_no_room() {
+    let options = DxfOptions { curve_limit: 2, ..options() };
+    let text = |entities: &str| file(&(entities.to_owned() + &circle([0.0, 0.0], 1.0)));
+    let many = read(text(&"0 A\n0 B\n".repeat(500)).as_bytes(), &options, &Budget::unlimited()).unwrap();
+    let reason = "entities of this kind are not supported";
+    assert_eq!(left_out(&many), [("A", reason, 500), ("B", reason, 500)]);
+    let on_paper = circle([0.0, 0.0], 1.0) + "67 1\n";
+    let many = read(text(&on_paper.repeat(500)).as_bytes(), &options, &Budget::unlimited()).unwrap();
+    assert_eq!(left_out(&many), [("CIRCLE", "it is drawn in paper space", 500)]);
+}
+
+#[test]
+fn more_entities_than_four_a_curve_are_refused_with_their_line() {
+    let options = DxfOptions { curve_limit: 2, ..options() };
+    let block = "0 BLOCK\n2 B\n".to_owned() + &circle([0.0, 0.0], 1.0).repeat(9) + "0 ENDBLK\n";
+    let text = file_with("", &block, &circle([0.0, 0.0], 1.0));
+    let fault = read(text.as_bytes(), &options, &Budget::unlimited()).unwrap_err().to_string();
+    assert_eq!(fault, "line 96: there are more than 8 entities");
+}
+
+#[test]
+fn a_spline_of_more_points_than_vertices_are_allowed_is_refused() {
+    let options = DxfOptions { vertex_limit: 3, ..options() };
+    let spline = "0 SPLINE\n70 8\n11 0\n21 0\n11 1\n21 0\n11 2\n21 0\n11 3\n21 0\n";
+    let fault = read(file(spline).as_bytes(), &options, &Budget::unlimited()).unwrap_err().to_string();
+    assert_eq!(fault, "line 18: a spline has more than 3 points");
+}

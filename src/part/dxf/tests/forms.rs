@@ -122,3 +122,13 @@ fn what_follows_the_end_is_told_and_so_is_an_absent_end() {
     let less = drawing(text.strip_suffix("0\nEOF\n").unwrap());
     assert_eq!(left_out(&less), [("EOF", "the file ends without it", 1)]);
 }
+
+#[test]
+fn a_unit_that_is_not_known_is_told_where_the_options_state_one() {
+    let told = |code: i32| {
+        let text = file_with(&format!("9 $INSUNITS\n70 {code}\n"), "", &circle([0.0, 0.0], 1.0));
+        let options = DxfOptions { unit: Some(Unit::Millimetre), ..options() };
+        read(text.as_bytes(), &options, &Budget::unlimited()).unwrap().unknown_unit
+    };
+    assert_eq!([0, 1, 4, 7].map(told), [false, false, false, true]);
+}

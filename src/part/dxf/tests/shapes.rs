@@ -270,3 +270,21 @@ fn what_is_no_outline_is_left_out_with_its_reason() {
     ];
     assert_eq!(left_out(&drawing), expected);
 }
+
+#[test]
+fn a_fit_spline_that_is_not_marked_closed_keeps_its_tangents() {
+    // From the origin to the right, and back to it from above.
+    let points = "11 0\n21 0\n11 10\n21 0\n11 10\n21 10\n11 0\n21 0\n";
+    let spline = |flag: i32| format!("0 SPLINE\n8 0\n70 {flag}\n12 1\n22 0\n13 0\n23 -1\n{points}");
+    let area = |flag: i32| only(&drawing(&file(&spline(flag)))).area_mm2;
+    let plain = format!("0 SPLINE\n8 0\n70 9\n{points}");
+    assert_near(area(9), only(&drawing(&file(&plain))).area_mm2);
+    assert!((area(8) - area(9)).abs() > 1.0, "{} {}", area(8), area(9));
+}
+
+#[test]
+fn the_last_bulge_of_an_open_polyline_means_nothing() {
+    let open = |bulge: f64| format!("0 LWPOLYLINE\n8 0\n90 2\n70 0\n10 0\n20 0\n10 5\n20 1\n42 {bulge}\n");
+    let drawing = drawing(&file(&(open(0.5) + &open(0.0))));
+    assert_eq!((drawing.open.len(), left_out(&drawing)), (1, vec![("LWPOLYLINE", "drawn twice", 1)]));
+}

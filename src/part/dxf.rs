@@ -21,9 +21,8 @@
 //!   is asked for and holds no curve are errors.
 //!
 //! # Units
-//! The unit is [`DxfOptions::unit`], or that of $INSUNITS where the options state none. Where neither states a unit, [`Drawing::unit`] is `None`, and all
-//! lengths are in the unknown unit of the file, and so are the gap and the tolerance. The caller has to ask
-//! for the unit before it mills.
+//! The unit is [`DxfOptions::unit`], or that of $INSUNITS where the options state none. Where neither states a
+//! unit, [`Drawing::unit`] is `None`, and all lengths are in the numbers of the file.
 //!
 //! # Cost
 //! O(n log n) for n curves that are not splines.

@@ -82,7 +82,8 @@ fn is_beside_chord(from: [f64; 3], to: [f64; 3], [x, y]: [f64; 2]) -> bool {
     if (left < 0.0) != (bulge > 0.0) {
         return false;
     }
-    // From a place inside the circle on the arc's side the chord is seen under a larger angle than from the arc.
+    // From a place inside the circle, on the arc's side, the chord is seen under a larger angle than from the
+    // arc.
     let [a, b] = [[-at[0], -at[1]], [to[0] - x, to[1] - y]];
     let angle = (a[0] * b[1] - a[1] * b[0]).abs().atan2(a[0] * b[0] + a[1] * b[1]);
     angle > std::f64::consts::PI - 2.0 * bulge.abs().atan()

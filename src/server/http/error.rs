@@ -2,6 +2,7 @@
 //! codes.
 
 mod field;
+mod moved;
 mod sent_part;
 
 use std::fmt;
@@ -306,20 +307,6 @@ impl ApiError {
     /// The same error, with a violation at `at` that has the error's own detail.
     pub fn blaming(mut self, at: &Pointer, code: FieldCode) -> Self {
         self.errors.push(FieldError::new(at, code, self.detail.clone()));
-        self
-    }
-
-    /// The same error, with other pointers: `sent` gives for a pointer another one, and the name of the file
-    /// from which the value at fault was read.
-    pub fn moved<'a>(mut self, sent: impl Fn(&str) -> Option<(String, Option<&'a str>)>) -> Self {
-        for error in &mut self.errors {
-            let Some((pointer, file)) = sent(&error.pointer) else { continue };
-            self.detail = self.detail.replace(&error.pointer, &pointer);
-            error.pointer = pointer;
-            if let Some(name) = file {
-                error.detail = format!("`{name}`: {}", error.detail);
-            }
-        }
         self
     }
 

@@ -29,8 +29,8 @@ pub struct InspectRequest {
     /// The file. Default: the only file beside the job in a body of `multipart/form-data`.
     #[serde(default, deserialize_with = "object::optional")]
     file: Option<InspectedFile>,
-    /// The unit of the file, in place of the one that it states. Default: the unit that the file states; where it states none, the report is in
-    /// the numbers of the file, and the answer warns.
+    /// The unit of the file, in place of the one that it states. Default: the unit that the file states;
+    /// where it states none, the report is in the numbers of the file, and the answer warns.
     units: Option<FileUnits>,
     /// The layer of a drawing whose curves count. Default: all layers.
     #[schema(max_length = 255)]

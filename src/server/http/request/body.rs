@@ -105,7 +105,8 @@ type Make<T> =
     dyn Fn(&Bytes, &Limits, &Budget) -> Result<SentJob<<T as IntoJob>::Job>, ApiError> + Send + Sync;
 
 impl<T: IntoJob> JobBody<T> {
-    /// Whether the body has at most [`SHORT_BYTES`] as it was sent, and no files: reading a file may take long.
+    /// Whether the body has at most [`SHORT_BYTES`] as it was sent, and no files: reading a file may take
+    /// long.
     pub fn may_be_short(&self) -> bool {
         self.body.bytes.len() <= SHORT_BYTES && !self.has_parts
     }

@@ -51,8 +51,8 @@ pub struct RegionFile {
     #[schema(max_length = 255)]
     layer: Option<String>,
     /// The wall, by the number of its loop in the drawing, as `/v1/parts/inspect` counts them with the same
-    /// layer, gap and tolerance; the loops right inside it are its islands. Default: `region` takes the only outermost loop, and
-    /// `regions` all outermost loops and the loops inside their islands. An island may be named, too.
+    /// layer, gap and tolerance; the loops right inside it are its islands. It may be an island. Default:
+    /// `region` takes the only wall, and `regions` all walls, also those within islands.
     #[schema(minimum = 0, maximum = 1_000_000)]
     wall: Option<usize>,
     /// Largest gap between the ends of curves that counts as a joint, in mm. Gaps that are bridged are
@@ -69,8 +69,8 @@ pub struct RegionFile {
     open_curves: OpenCurves,
 }
 
-/// What happens to open curves within walls. `refuse`: the drawing is refused. `ignore`: they are no walls, and
-/// the answer warns.
+/// What happens to open curves within walls. `refuse`: the drawing is refused. `ignore`: they are no walls,
+/// and the answer warns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 enum OpenCurves {
@@ -149,6 +149,11 @@ impl RegionFile {
         };
         let drawing = reference.read(dxf::read(&bytes, &options, reading.budget), reading)?;
         reference.mm(drawing.unit, reading)?;
+        if drawing.unknown_unit {
+            let detail =
+                format!("`{}` states a unit that is not known, and is read as `units` says", self.name);
+            reading.warn(at, WarningCode::UnitsOverridden, detail);
+        }
         Some(drawing)
     }
 

@@ -21,8 +21,8 @@
 //!   is asked for and holds no curve are errors.
 //!
 //! # Units
-//! The unit is [`DxfOptions::unit`], or that of $INSUNITS where the options state none. Where neither states a
-//! unit, [`Drawing::unit`] is `None`, and all lengths are in the numbers of the file.
+//! The unit is [`DxfOptions::unit`], or that of $INSUNITS where the options state none. Where neither states
+//! a unit, [`Drawing::unit`] is `None`, and all lengths are in the numbers of the file.
 //!
 //! # Cost
 //! O(n log n) for n curves that are not splines.

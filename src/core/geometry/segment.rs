@@ -124,6 +124,21 @@ impl Segment {
         }
     }
 
+    /// The lowest and the highest coordinates, mm: exact but for rounding.
+    pub fn bounding_box(&self) -> [Point2<f64>; 2] {
+        let (start, end) = (self.start(), self.end());
+        let (mut low, mut high) = (start.inf(&end), start.sup(&end));
+        if let Self::Arc(arc) = self {
+            for axis in [Vector2::x(), -Vector2::x(), Vector2::y(), -Vector2::y()] {
+                if arc.covers(axis) {
+                    let extreme = arc.center() + axis * arc.radius();
+                    (low, high) = (low.inf(&extreme), high.sup(&extreme));
+                }
+            }
+        }
+        [low, high]
+    }
+
     /// The same line or arc in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {

@@ -38,8 +38,10 @@ const REFINEMENTS: usize = 5;
 const SAMPLES: u32 = 12;
 const NEAR_PART: f64 = 0.97;
 
-/// An element that is not proved is shortened by this factor, so many times. Then it is halved.
+/// Where the proof of an element fails, the element is shortened by this factor.
 const SHORTENED: f64 = 0.93;
+
+/// After so many shortenings the element is halved.
 const SHORTENINGS: usize = 3;
 
 /// The length that is tried after an element that had to be halved, as a multiple of that element's.

@@ -27,8 +27,9 @@ pub struct Curve {
     /// Whether its ends are points that the file has. Such an end stays where a computed one is joined to it.
     pub has_written_ends: bool,
     pub layer: usize,
-    /// For what is left out.
+    /// The kind of its entity. A list of what was left out names the chain by it.
     pub kind: String,
+    /// The place of its entity in the file.
     pub place: Place,
 }
 

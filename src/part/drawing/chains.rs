@@ -89,7 +89,7 @@ impl Chains {
             links.tell_lone_ends_beside_others(gap_mm);
         }
         self.bridged_max_mm = self.bridged_max_mm.max(links.bridged_max_mm);
-        // What is known of a place within a layer gives way to what is known across layers.
+        // A branch that was found within one layer is replaced by the branch across layers at the same place.
         let place = |branch: &Branch| branch.at.map(f64::to_bits);
         let told: HashSet<[u64; 2]> = links.branches.iter().map(place).collect();
         self.branches.retain(|branch| !told.contains(&place(branch)));

@@ -8,7 +8,7 @@ use super::entity::Entity;
 use super::file::{Definition, File};
 use super::names::key;
 use super::placement::Placement;
-use super::reasons as because;
+use super::reasons;
 use super::shape::{Content, Insert, Shape};
 use crate::drawing::Layer;
 use crate::drawing::assembly::Curve;
@@ -125,10 +125,10 @@ impl<'a> ModelSpace<'a> {
 
     fn reason_to_skip(&self, entity: &Entity, layer: &str) -> Option<&'static str> {
         if entity.is_on_paper {
-            return Some(because::ON_PAPER);
+            return Some(reasons::ON_PAPER);
         }
         if entity.is_invisible {
-            return Some(because::INVISIBLE);
+            return Some(reasons::INVISIBLE);
         }
         let layer = key(layer);
         let hidden = self.hidden.get(&layer).copied();
@@ -137,7 +137,7 @@ impl<'a> ModelSpace<'a> {
             // What is on a layer that is asked for is read.
             _ if self.asked.as_ref().is_some_and(|asked| asked.contains(&layer)) => None,
             // A block whose layer is off still shows its entities on other layers.
-            Content::Insert(_) => hidden.filter(|reason| *reason == because::FROZEN),
+            Content::Insert(_) => hidden.filter(|reason| *reason == reasons::FROZEN),
             Content::Curve(_) => hidden,
         }
     }
@@ -157,7 +157,7 @@ impl<'a> ModelSpace<'a> {
         let layer = self.layer(name);
         self.layers[layer].n_curves += 1;
         if self.asked.as_ref().is_some_and(|asked| !asked.contains(&key(name))) {
-            self.leave_out(entity, because::NOT_ASKED);
+            self.leave_out(entity, reasons::NOT_ASKED);
             return Ok(());
         }
         let drawn = match self.drafting.draw(shape, placement, entity.place) {
@@ -193,11 +193,11 @@ impl<'a> ModelSpace<'a> {
         placement: &Placement,
     ) -> Result<(), Unreadable> {
         let Some((name, block)) = self.blocks.get_key_value(&insert.block) else {
-            self.leave_out(entity, because::NO_BLOCK);
+            self.leave_out(entity, reasons::NO_BLOCK);
             return Ok(());
         };
         if block.is_in_another_file {
-            self.leave_out(entity, because::REFERENCE);
+            self.leave_out(entity, reasons::REFERENCE);
             return Ok(());
         }
         if self.open.contains(&name.as_str()) {
@@ -215,7 +215,7 @@ impl<'a> ModelSpace<'a> {
                 let placed = placement.after(&insert.placement(block.base, [column, row]));
                 match placed.is_finite() {
                     true => self.entities(&block.entities, &placed, Some(layer))?,
-                    false => self.leave_out(entity, because::FAR),
+                    false => self.leave_out(entity, reasons::FAR),
                 }
             }
         }

@@ -14,7 +14,7 @@ use toolpathd_core::geometry::segment;
 use toolpathd_core::geometry::spline::{EndCondition, derivatives_over};
 
 use super::placement::{Placement, are_axes_of_a_circle, cosine_and_sine, perp};
-use super::reasons as because;
+use super::reasons;
 use super::shape::{Shape, Tangents};
 use crate::drawing::arcs;
 use crate::fault::{Place, Unreadable};
@@ -278,10 +278,10 @@ impl Conic {
             let points = [ends[k], middle, ends[k + 1]].map(Point2::from);
             check_near(&points)?;
             let piece = Bezier::rational(&points, &[1.0, half.cos(), 1.0]);
-            piece.map(|piece| (piece, (k + 1) as f64)).map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
+            piece.map(|piece| (piece, (k + 1) as f64)).map_err(|_| Undrawn::LeftOut(reasons::NO_CURVE))
         });
         let pieces: Vec<_> = pieces.collect::<Result<_, _>>()?;
-        Piecewise::new(0.0, pieces).map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
+        Piecewise::new(0.0, pieces).map_err(|_| Undrawn::LeftOut(reasons::NO_CURVE))
     }
 }
 
@@ -308,7 +308,7 @@ fn nurbs_curve(nurbs: &Nurbs, placement: &Placement) -> Result<Piecewise, Undraw
         nurbs.control_points.iter().map(|p| placement.point([p.x, p.y]).into()).collect();
     check_near(&control_points)?;
     let placed = Nurbs { control_points, ..nurbs.clone() };
-    placed.curve().map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
+    placed.curve().map_err(|_| Undrawn::LeftOut(reasons::NO_CURVE))
 }
 
 /// The cubic through points with two continuous derivatives. Its parameter grows by the lengths of the
@@ -322,7 +322,7 @@ fn curve_through(
     check_near(&points.iter().map(|p| Point2::from(*p)).collect::<Vec<_>>())?;
     let steps: Vec<f64> = points.windows(2).map(|ends| (ends[1] - ends[0]).norm()).collect();
     if steps.iter().any(|step| *step <= 0.0) {
-        return Err(Undrawn::LeftOut(because::NO_CURVE));
+        return Err(Undrawn::LeftOut(reasons::NO_CURVE));
     }
     let ends = match tangents {
         Tangents::Free => EndCondition::NotAKnot,
@@ -340,15 +340,15 @@ fn curve_through(
         at += step;
         Bezier::polynomial(&control.map(Point2::from)).map(|piece| (piece, at))
     });
-    let pieces: Vec<_> = pieces.collect::<Result<_, _>>().map_err(|_| Undrawn::LeftOut(because::NO_CURVE))?;
-    Piecewise::new(0.0, pieces).map_err(|_| Undrawn::LeftOut(because::NO_CURVE))
+    let pieces: Vec<_> = pieces.collect::<Result<_, _>>().map_err(|_| Undrawn::LeftOut(reasons::NO_CURVE))?;
+    Piecewise::new(0.0, pieces).map_err(|_| Undrawn::LeftOut(reasons::NO_CURVE))
 }
 
 /// Refuses points far from the origin: arcs near them would be rounding.
 fn check_near(points: &[Point2<f64>]) -> Result<(), Undrawn> {
     match points.iter().all(|p| p.x.abs() <= LARGEST_MM && p.y.abs() <= LARGEST_MM) {
         true => Ok(()),
-        false => Err(Undrawn::LeftOut(because::FAR)),
+        false => Err(Undrawn::LeftOut(reasons::FAR)),
     }
 }
 
@@ -363,7 +363,7 @@ fn is_arc_near(from: &[f64; 3], to: &[f64; 3]) -> bool {
 /// The curve without pieces that have no length. A curve whose ends are one place is closed.
 fn finished(mut drawn: Drawn) -> Result<Drawn, Undrawn> {
     if !drawn.vertices.as_flattened().iter().all(|x| x.abs() <= LARGEST_MM) {
-        return Err(Undrawn::LeftOut(because::FAR));
+        return Err(Undrawn::LeftOut(reasons::FAR));
     }
     let vertices = &mut drawn.vertices;
     for vertex in vertices.iter_mut() {
@@ -393,11 +393,11 @@ fn finished(mut drawn: Drawn) -> Result<Drawn, Undrawn> {
         last[2] = 0.0;
     }
     if kept.len() < 2 {
-        return Err(Undrawn::LeftOut(because::NO_LENGTH));
+        return Err(Undrawn::LeftOut(reasons::NO_LENGTH));
     }
     let next = kept.iter().cycle().skip(1);
     if !kept.iter().zip(next).all(|(from, to)| is_arc_near(from, to)) {
-        return Err(Undrawn::LeftOut(because::FAR));
+        return Err(Undrawn::LeftOut(reasons::FAR));
     }
     *vertices = kept;
     Ok(drawn)

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use super::fields::{Fields, Normal};
 use super::names::{decoded, key};
 use super::polyline;
-use super::reasons as because;
+use super::reasons;
 use super::shape::{Content, Insert, Shape, is_flat, magnitude};
 use super::spline;
 use crate::fault::{Place, Unreadable};
@@ -52,7 +52,7 @@ pub fn read(fields: &Fields, names: &mut SharedNames) -> Result<Entity, Unreadab
         b"LWPOLYLINE" => polyline::light(fields)?,
         b"SPLINE" => spline::read(fields)?,
         b"INSERT" => insert(fields)?,
-        other => Content::LeftOut(because::of_kind(other)),
+        other => Content::LeftOut(reasons::of_kind(other)),
     };
     with_content(fields, content, names)
 }
@@ -70,8 +70,8 @@ pub fn with_content(
     let is_on_paper = fields.integer(67)? == 1;
     let is_invisible = fields.integer(60)? == 1;
     let content = match (is_on_paper, is_invisible) {
-        (true, _) => Content::LeftOut(because::ON_PAPER),
-        (_, true) => Content::LeftOut(because::INVISIBLE),
+        (true, _) => Content::LeftOut(reasons::ON_PAPER),
+        (_, true) => Content::LeftOut(reasons::INVISIBLE),
         _ => content,
     };
     Ok(Entity {
@@ -91,7 +91,7 @@ fn line(fields: &Fields) -> Result<Content, Unreadable> {
     Ok(if is_flat(heights.into_iter(), magnitude(ends.into_iter())) {
         Content::Curve(Shape::Line(ends))
     } else {
-        Content::LeftOut(because::NOT_FLAT)
+        Content::LeftOut(reasons::NOT_FLAT)
     })
 }
 
@@ -107,8 +107,8 @@ fn round(fields: &Fields) -> Result<Result<Round, &'static str>, Unreadable> {
     let (center, radius) = (fields.point(10)?, fields.need(40)?);
     let normal = fields.normal()?;
     Ok(match normal.placement() {
-        None => Err(because::TILTED),
-        Some(_) if radius <= 0.0 => Err(because::NO_RADIUS),
+        None => Err(reasons::TILTED),
+        Some(_) if radius <= 0.0 => Err(reasons::NO_RADIUS),
         Some(placement) => {
             Ok(Round { center: placement.point(center), radius, is_mirrored: normal == Normal::Down })
         }
@@ -144,9 +144,9 @@ fn ellipse(fields: &Fields) -> Result<Content, Unreadable> {
     let side = if normal == Normal::Down { -ratio } else { ratio };
     let minor = [-major[1] * side, major[0] * side];
     Ok(if normal == Normal::Sideways || !is_flat([0.0, rise].into_iter(), magnitude([major].into_iter())) {
-        Content::LeftOut(because::TILTED)
+        Content::LeftOut(reasons::TILTED)
     } else if major == [0.0, 0.0] || ratio == 0.0 {
-        Content::LeftOut(because::NO_RADIUS)
+        Content::LeftOut(reasons::NO_RADIUS)
     } else {
         Content::Curve(Shape::Ellipse { center, major, minor, start, end })
     })
@@ -155,11 +155,11 @@ fn ellipse(fields: &Fields) -> Result<Content, Unreadable> {
 fn insert(fields: &Fields) -> Result<Content, Unreadable> {
     let normal = fields.normal()?;
     if normal == Normal::Sideways {
-        return Ok(Content::LeftOut(because::TILTED));
+        return Ok(Content::LeftOut(reasons::TILTED));
     }
     let scale = [fields.real(41)?.unwrap_or(1.0), fields.real(42)?.unwrap_or(1.0)];
     if scale.contains(&0.0) {
-        return Ok(Content::LeftOut(because::NO_SCALE));
+        return Ok(Content::LeftOut(reasons::NO_SCALE));
     }
     let count = |code: i32| -> Result<u32, Unreadable> {
         let count = fields.integer(code)?.max(1);

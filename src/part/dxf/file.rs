@@ -10,7 +10,7 @@ use super::fields::Fields;
 use super::groups::{Group, Groups, is_blank};
 use super::names::{decoded, key};
 use super::polyline::Polyline;
-use super::reasons as because;
+use super::reasons;
 use super::shape::Content;
 use crate::fault::{Place, Unreadable};
 use crate::left_out::LeftOuts;
@@ -113,13 +113,13 @@ impl<'a> Reader<'a, '_> {
             let place = self.groups.place();
             let Some(group) = self.groups.next()? else {
                 if has_entities {
-                    self.file.left_out.add("EOF", because::NO_END, place);
+                    self.file.left_out.add("EOF", reasons::NO_END, place);
                 }
                 break;
             };
             if group.is(0, "EOF") {
                 if !is_blank(self.groups.rest()) {
-                    self.file.left_out.add("EOF", because::BEHIND_END, self.groups.place());
+                    self.file.left_out.add("EOF", reasons::BEHIND_END, self.groups.place());
                 }
                 break;
             }
@@ -174,7 +174,7 @@ impl<'a> Reader<'a, '_> {
                 return Ok(());
             }
             if group.is(0, "SPATIAL_FILTER") {
-                self.file.left_out.add("SPATIAL_FILTER", because::CLIPPED, group.place);
+                self.file.left_out.add("SPATIAL_FILTER", reasons::CLIPPED, group.place);
             }
         }
     }
@@ -206,9 +206,9 @@ impl<'a> Reader<'a, '_> {
             group = self.fields.read(group, &mut self.groups)?;
             let name = key(&decoded(self.fields.text(2)));
             if self.fields.integer(70)? & FROZEN != 0 {
-                self.file.hidden.insert(name, because::FROZEN);
+                self.file.hidden.insert(name, reasons::FROZEN);
             } else if self.fields.integer(62)? < 0 {
-                self.file.hidden.insert(name, because::OFF);
+                self.file.hidden.insert(name, reasons::OFF);
             }
         }
     }

@@ -1,8 +1,8 @@
 //! Names in DXF files: of layers, blocks and kinds of entities.
 //!
 //! A name is read as UTF-8. Where the bytes are no UTF-8, it is read in code page 1252, which holds Latin-1.
-//! `\U+XXXX` stands for one character. Other code pages give other characters than meant; such names still
-//! differ where their bytes differ.
+//! `\U+` with four hexadecimal digits stands for one character. Names in other code pages are read as wrong
+//! characters, and two of them still differ where their bytes differ.
 
 /// The characters of code page 1252 from 0x80 to 0x9f. Five bytes mean nothing, and keep their number.
 const WINDOWS: [char; 32] = [
@@ -35,7 +35,7 @@ fn of_code_page(byte: u8) -> char {
     }
 }
 
-/// The text with a character for each `\U+XXXX`.
+/// The text with a character in the place of each `\U+` and its four digits.
 fn unescaped(text: &str) -> String {
     let mut parts = text.split("\\U+");
     let mut plain = parts.next().unwrap_or_default().to_owned();

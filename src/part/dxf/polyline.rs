@@ -2,7 +2,7 @@
 
 use super::fields::Fields;
 use super::groups::Group;
-use super::reasons as because;
+use super::reasons;
 use super::shape::{Content, Shape, is_flat, magnitude};
 use crate::fault::Unreadable;
 
@@ -93,7 +93,7 @@ impl Polyline {
     /// When a group is broken.
     pub fn content(self, fields: &Fields) -> Result<Content, Unreadable> {
         if self.flags & MESHES != 0 {
-            return Ok(Content::LeftOut(because::MESH));
+            return Ok(Content::LeftOut(reasons::MESH));
         }
         let is_closed = self.flags & CLOSED != 0;
         if self.flags & IN_SPACE == 0 {
@@ -103,7 +103,7 @@ impl Polyline {
         Ok(if is_flat(self.heights.into_iter(), largest) {
             Content::Curve(Shape::Polyline { vertices: self.vertices, is_closed })
         } else {
-            Content::LeftOut(because::NOT_FLAT)
+            Content::LeftOut(reasons::NOT_FLAT)
         })
     }
 }
@@ -111,7 +111,7 @@ impl Polyline {
 /// The polyline in the plane of the drawing.
 fn placed(fields: &Fields, mut vertices: Vec<[f64; 3]>, is_closed: bool) -> Result<Content, Unreadable> {
     let Some(placement) = fields.normal()?.placement() else {
-        return Ok(Content::LeftOut(because::TILTED));
+        return Ok(Content::LeftOut(reasons::TILTED));
     };
     if placement.is_mirrored() {
         for vertex in &mut vertices {

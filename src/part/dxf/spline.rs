@@ -5,7 +5,7 @@ use toolpathd_core::geometry::bspline::MAX_DEGREE;
 use toolpathd_core::geometry::plane_curve::nurbs::{Nurbs, SHORTEST_SPAN};
 
 use super::fields::Fields;
-use super::reasons as because;
+use super::reasons;
 use super::shape::{Content, Shape, Tangents, is_flat, magnitude};
 use crate::fault::Unreadable;
 
@@ -34,11 +34,11 @@ pub fn read(fields: &Fields) -> Result<Content, Unreadable> {
     }
     let degree = usize::try_from(fields.integer(71)?).unwrap_or(0);
     if degree > MAX_DEGREE {
-        return Ok(Content::LeftOut(because::DEGREE));
+        return Ok(Content::LeftOut(reasons::DEGREE));
     }
     let (control_points, is_flat) = in_plane(&control);
     if !is_flat {
-        return Ok(Content::LeftOut(because::NOT_FLAT));
+        return Ok(Content::LeftOut(reasons::NOT_FLAT));
     }
     join_knots(&mut knots);
     let weights = (!weights.is_empty()).then_some(weights);
@@ -66,9 +66,9 @@ fn through(fields: &Fields, fit: Vec<[f64; 3]>) -> Result<Content, Unreadable> {
         },
     };
     Ok(if points.len() < 2 {
-        Content::LeftOut(because::FEW_POINTS)
+        Content::LeftOut(reasons::FEW_POINTS)
     } else if !is_flat {
-        Content::LeftOut(because::NOT_FLAT)
+        Content::LeftOut(reasons::NOT_FLAT)
     } else {
         Content::Curve(Shape::Through { points, tangents })
     })

@@ -334,7 +334,7 @@ async fn the_box_of_a_drawing_holds_its_arcs() {
     // A slot: its ends are half circles that bulge outward.
     let sent = send(INSPECT, None, &[("part", "plate.dxf", &arcs())]).await.json();
     let bounds = &sent["report"]["bounds"];
-    let near = |value: &Value, expected: f64| (value.as_f64().unwrap_or(f64::NAN) - expected).abs() < 0.02;
+    let near = |value: &Value, expected: f64| (value.as_f64().unwrap_or(f64::NAN) - expected).abs() < 1e-9;
     assert!(near(&bounds["min"][0], -5.0) && near(&bounds["max"][0], 25.0), "{bounds}");
     assert!(near(&bounds["min"][1], 0.0) && near(&bounds["max"][1], 10.0), "{bounds}");
 }

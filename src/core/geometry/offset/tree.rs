@@ -39,16 +39,7 @@ impl Bounds {
     };
 
     pub(in crate::geometry) fn of(element: &Segment) -> Self {
-        let (start, end) = (element.start(), element.end());
-        let (mut low, mut high) = (start.inf(&end), start.sup(&end));
-        if let Segment::Arc(arc) = element {
-            for axis in [Vector2::x(), -Vector2::x(), Vector2::y(), -Vector2::y()] {
-                if arc.covers(axis) {
-                    let extreme = arc.center() + axis * arc.radius();
-                    (low, high) = (low.inf(&extreme), high.sup(&extreme));
-                }
-            }
-        }
+        let [low, high] = element.bounding_box();
         Self { low, high }
     }
 

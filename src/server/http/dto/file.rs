@@ -4,10 +4,12 @@ use axum::body::Bytes;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use crate::config::Limits;
 use crate::http::decode::files::FileReading;
 use crate::http::error::FieldCode;
 use crate::http::messages::{WarningCode, left_out};
 use crate::http::pointer::Pointer;
+use toolpathd_part::dxf::DxfOptions;
 use toolpathd_part::fault::Unreadable;
 use toolpathd_part::format::Format;
 use toolpathd_part::left_out::LeftOut;
@@ -124,6 +126,27 @@ impl Reference<'_> {
 /// The sentence about a file that states another unit than the request.
 pub fn units_overridden(name: &str, stated: Unit, sent: Unit) -> String {
     format!("`{name}` states {}, and is read in {}, as `units` says", words(stated), words(sent))
+}
+
+/// Most curves of a drawing for each vertex that an outline may have.
+const CURVES_FOR_EACH_VERTEX: usize = 4;
+
+/// How a drawing is read.
+pub fn drawing_options(
+    limits: &Limits,
+    layer: Option<String>,
+    units: Option<FileUnits>,
+    gap_mm: f64,
+    tolerance_mm: f64,
+) -> DxfOptions {
+    DxfOptions {
+        layers: layer.map(|layer| vec![layer]),
+        gap_mm,
+        tolerance_mm,
+        unit: units.map(Unit::from),
+        curve_limit: CURVES_FOR_EACH_VERTEX * limits.curve_points,
+        vertex_limit: limits.curve_points,
+    }
 }
 
 /// A unit in words.

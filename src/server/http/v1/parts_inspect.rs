@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use crate::http::answer::model::{PART_CHORD_MM, Solids};
 use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
-use crate::http::dto::file::{format_name, units_overridden};
+use crate::http::dto::file::{drawing_options, format_name, units_overridden};
 use crate::http::dto::inspection::{
     DrawingReport, FileBox, FileFormat, InspectReport, InspectRequest, Inspection, LeftOutReport,
     ModelContents, PointsReport,
@@ -24,7 +24,7 @@ use toolpathd_core::geometry::surface::point_grid::{Ends, PointGrid, Twist};
 use toolpathd_core::geometry::surface::source::Source;
 use toolpathd_part::drawing::Drawing;
 use toolpathd_part::drawing::bulge::segments;
-use toolpathd_part::dxf::{self, DxfOptions};
+use toolpathd_part::dxf;
 use toolpathd_part::fault::Unreadable;
 use toolpathd_part::format::Format;
 use toolpathd_part::left_out::LeftOut;
@@ -39,9 +39,6 @@ type InspectAnswer = Answer<InspectReport, NoMembers>;
 
 /// Largest turn of the part of an arc that is drawn as one straight line, radians.
 const LARGEST_TURN: f64 = 0.1;
-
-/// Most curves of a drawing for each vertex that an outline may have.
-const CURVES_FOR_EACH_VERTEX: usize = 4;
 
 /// Tell what is in a file.
 ///
@@ -155,21 +152,16 @@ fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, Sh
 }
 
 fn drawing(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
-    let vertex_limit = job.limits.curve_points;
-    let options = DxfOptions {
-        layers: job.layer.clone().map(|layer| vec![layer]),
-        gap_mm: job.gap_mm,
-        tolerance_mm: job.curve_tolerance_mm,
-        unit: job.units.map(Into::into),
-        curve_limit: CURVES_FOR_EACH_VERTEX * vertex_limit,
-        vertex_limit,
-    };
+    let options =
+        drawing_options(&job.limits, job.layer.clone(), job.units, job.gap_mm, job.curve_tolerance_mm);
     let drawing = dxf::read(&job.bytes, &options, budget).map_err(|fault| unreadable(job, fault))?;
     let mut picture = toolpathd_plot::Drawing::default();
     picture.walls.extend(drawing.loops.iter().map(|own| polyline(&own.vertices, true)));
     picture.curve.extend(drawing.open.iter().map(|chain| polyline(&chain.vertices, false)));
-    let all = picture.walls.iter().chain(&picture.curve).flatten();
-    let bounds = FileBox::around(all.map(|point| [point.x, point.y, point.z]));
+    let of_loops = drawing.loops.iter().flat_map(|own| segments(&own.vertices, true));
+    let of_chains = drawing.open.iter().flat_map(|chain| segments(&chain.vertices, false));
+    let corners = of_loops.chain(of_chains).flat_map(|element| element.bounding_box());
+    let bounds = FileBox::around(corners.map(|corner| [corner.x, corner.y, 0.0]));
     let report = DrawingReport::from(&drawing);
     let shape =
         Shape::Loops(drawing.loops.iter().map(|own| segments(&own.vertices, true).collect()).collect());

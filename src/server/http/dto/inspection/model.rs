@@ -52,7 +52,7 @@ struct FaceReport {
     body: usize,
     /// Its area within its edges, in mm2.
     area_mm2: f64,
-    /// A box around it, in mm.
+    /// A box around it, in mm. The box of a spline is found by a search, and is not proved.
     bounds: FileBox,
     /// The number of its closed chains of edges.
     n_loops: usize,

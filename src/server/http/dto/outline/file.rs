@@ -7,12 +7,12 @@ use super::{Outline, Vertex, WalledRegion};
 use crate::http::decode::files::FileReading;
 use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Range;
-use crate::http::dto::file::{FileUnits, Reference, format_name};
+use crate::http::dto::file::{FileUnits, Reference, drawing_options, format_name};
 use crate::http::error::FieldCode;
 use crate::http::messages::WarningCode;
 use crate::http::pointer::Pointer;
 use toolpathd_part::drawing::{Drawing, Loop, OpenChain, bulge};
-use toolpathd_part::dxf::{self, DxfOptions};
+use toolpathd_part::dxf;
 use toolpathd_part::format::Format;
 
 /// Default of `gap_mm`.
@@ -27,9 +27,6 @@ pub const CURVE_TOLERANCES: Range = Range { min: 1e-5, max: 1.0 };
 
 /// Most layers that a sentence names.
 const MOST_NAMES: usize = 20;
-
-/// Most curves of a drawing for each vertex that an outline may have.
-const CURVES_FOR_EACH_VERTEX: usize = 4;
 
 /// Walls and islands from a drawing (DXF) that is sent with the request.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -139,14 +136,9 @@ impl RegionFile {
                 return None;
             }
         }
-        let options = DxfOptions {
-            layers: self.layer.clone().map(|layer| vec![layer]),
-            gap_mm: self.gap_mm.unwrap_or(GAP_MM),
-            tolerance_mm: self.curve_tolerance_mm.unwrap_or(CURVE_TOLERANCE_MM),
-            unit: self.units.map(Into::into),
-            curve_limit: CURVES_FOR_EACH_VERTEX * reading.limits.curve_points,
-            vertex_limit: reading.limits.curve_points,
-        };
+        let (gap_mm, tolerance_mm) =
+            (self.gap_mm.unwrap_or(GAP_MM), self.curve_tolerance_mm.unwrap_or(CURVE_TOLERANCE_MM));
+        let options = drawing_options(reading.limits, self.layer.clone(), self.units, gap_mm, tolerance_mm);
         let drawing = reference.read(dxf::read(&bytes, &options, reading.budget), reading)?;
         reference.mm(drawing.unit, reading)?;
         if drawing.unknown_unit {

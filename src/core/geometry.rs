@@ -26,3 +26,4 @@ pub mod solve;
 pub mod spacing;
 pub mod spline;
 pub mod surface;
+pub mod triangle_mesh;

@@ -11,6 +11,7 @@ use crate::geometry::curve::Curve;
 use crate::geometry::region::{Containment, Region, RegionError};
 use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::{BezierSurface, Patch};
+use crate::geometry::triangle_mesh::facing_up;
 use crate::machining::cutter::Cutter;
 use crate::machining::prism::Prism;
 use crate::machining::uncut::{self, Reach, Swept, Wanted};
@@ -57,6 +58,10 @@ pub(super) fn of(
                 AnySurface::Bicubic(surface) => excess(surface, *allowance_mm, job, motions, budget)?,
                 AnySurface::Rational(surface) => excess(surface, *allowance_mm, job, motions, budget)?,
                 AnySurface::HighDegree(surface) => excess(surface, *allowance_mm, job, motions, budget)?,
+                AnySurface::Triangles(surface) => match facing_up(surface) {
+                    Some(part) => excess(&part, *allowance_mm, job, motions, budget)?,
+                    None => None,
+                },
             };
             find(excess, job, motions, findings);
             Ok(Left { excess, ..Left::default() })

@@ -215,6 +215,8 @@ fn write_patches<S: Serializer>(surface: &Option<AnySurface>, serializer: S) -> 
         Some(AnySurface::Bicubic(surface)) => serializer.collect_seq(rows(surface)),
         Some(AnySurface::Rational(surface)) => serializer.collect_seq(rows(surface)),
         Some(AnySurface::HighDegree(surface)) => serializer.collect_seq(rows(surface)),
+        // A mesh is not modelled: its request is refused.
+        Some(AnySurface::Triangles(_)) => serializer.serialize_none(),
     }
 }
 

@@ -22,6 +22,7 @@ mod obj;
 pub mod outline;
 mod ply;
 mod polygon;
+pub mod shading;
 mod stl;
 mod three_mf;
 mod welding;

@@ -5,6 +5,7 @@ mod obj;
 mod outline;
 mod ply;
 mod polygon;
+mod shading;
 mod solids;
 mod stl;
 mod three_mf;

@@ -167,7 +167,7 @@ fn widen(sizes: &mut [u64; 3], extra: &[u8]) -> Result<(), Unreadable> {
         }
         let mut field = Bytes::new(fields.take(length)?, 0, Order::LittleEndian);
         if kind == 1 {
-            for size in sizes.iter_mut().filter(|size| **size == u32::MAX.into()) {
+            for size in sizes.iter_mut().filter(|size| **size == u64::from(u32::MAX)) {
                 *size = field.u64()?;
             }
         }

@@ -22,11 +22,17 @@ pub struct LeftOuts(Vec<LeftOut>);
 impl LeftOuts {
     /// Counts one entity.
     pub fn add(&mut self, kind: &str, reason: &str, place: Place) {
+        self.add_many(kind, reason, 1, place);
+    }
+
+    /// Counts entities, of which the first is at `place`.
+    pub fn add_many(&mut self, kind: &str, reason: &str, count: usize, place: Place) {
         match self.0.iter_mut().find(|one| one.kind == kind && one.reason == reason) {
-            Some(one) => one.count += 1,
+            Some(one) => one.count += count,
+            None if count == 0 => {}
             None => {
                 let (kind, reason) = (kind.to_owned(), reason.to_owned());
-                self.0.push(LeftOut { kind, reason, count: 1, first: place });
+                self.0.push(LeftOut { kind, reason, count, first: place });
             }
         }
     }

@@ -71,6 +71,12 @@ struct NearestOf {
     near: Nearest,
 }
 
+/// What was found in a block, and how many parts were looked at.
+struct Searched {
+    left: Left,
+    looked: usize,
+}
+
 /// What is left at a point.
 struct LeftAt {
     distance: f64,
@@ -78,17 +84,30 @@ struct LeftAt {
 }
 
 impl<R: Reach> Search<'_, R> {
+    /// Every block gets an even share of the parts first. What is left of the parts is shared out evenly to
+    /// the blocks for which that was not enough, and they are searched again.
+    ///
     /// # Errors
     /// Only the budget's stop.
     pub(super) fn run<P: Patch>(&self, part: &BezierSurface<P>) -> Result<Left, Stopped> {
         let known = self.sample(part)?;
         let blocks = blocks(part);
         let limit = self.wanted.part_limit / blocks.len();
-        let found = self.budget.in_order(blocks.len(), |k| {
+        let first = self.budget.in_order(blocks.len(), |k| {
             self.budget.progress("material left", k, blocks.len());
             self.block(blocks[k], known, limit)
         })?;
-        Ok(found.into_iter().fold(known, Left::or_more))
+        let looked: usize = first.iter().map(|searched| searched.looked.min(limit)).sum();
+        let (done, open): (Vec<_>, Vec<_>) =
+            first.iter().enumerate().partition(|(_, searched)| searched.looked <= limit);
+        let left = done.iter().fold(known, |left, (_, searched)| left.or_more(searched.left));
+        let limit = limit + self.wanted.part_limit.saturating_sub(looked) / open.len().max(1);
+        let known = left.with_found(first.iter().map(|searched| &searched.left));
+        let again = self.budget.in_order(open.len(), |k| {
+            self.budget.progress("material left", k, open.len());
+            self.block(blocks[open[k].0], known, limit)
+        })?;
+        Ok(again.into_iter().fold(known, |left, searched| left.or_more(searched.left)))
     }
 
     /// The largest distances at places spread over the surface.
@@ -205,9 +224,11 @@ impl<R: Reach> Search<'_, R> {
     }
 
     /// The largest distances over one block, or smaller ones than are known.
-    fn block<P: Patch>(&self, block: P, known: Left, limit: usize) -> Result<Left, Stopped> {
+    fn block<P: Patch>(&self, block: P, known: Left, limit: usize) -> Result<Searched, Stopped> {
         let mut left = Left { reached: known.reached.without_bound(), rest: known.rest.without_bound() };
-        let Some(first) = self.open(block, None, (false, 0), &left) else { return Ok(left) };
+        let Some(first) = self.open(block, None, (false, 0), &left) else {
+            return Ok(Searched { left, looked: 0 });
+        };
         // The part with the largest bound is next, so that the bounds that are left at the limit are small.
         let mut open = BestFirst::default();
         open.push(first.bound, first);
@@ -224,7 +245,7 @@ impl<R: Reach> Search<'_, R> {
                 self.look_at(next, &mut left, &mut open)?;
             }
         }
-        Ok(left)
+        Ok(Searched { left, looked })
     }
 
     /// A part with its bound. `None` without passes.
@@ -312,6 +333,16 @@ impl<R: Reach> Search<'_, R> {
         let is_along_u =
             if is_long || gain.abs() <= self.wanted.gap_mm { along_u >= along_v } else { gain > 0.0 };
         if is_along_u { by_u } else { by_v }
+    }
+}
+
+impl Left {
+    /// The largest distances of these and the others that were found at points, with the own bounds.
+    fn with_found<'l>(self, others: impl Iterator<Item = &'l Left>) -> Self {
+        others.fold(self, |all, one| {
+            let found = Left { reached: one.reached.without_bound(), rest: one.rest.without_bound() };
+            all.or_more(found)
+        })
     }
 }
 

@@ -27,6 +27,7 @@ pub mod model;
 pub mod spline_curve;
 pub mod spline_surface;
 pub mod surface;
+pub mod tessellation;
 
 mod area;
 mod assembly;

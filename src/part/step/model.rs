@@ -55,6 +55,8 @@ pub struct Face {
     pub surface: Surface,
     /// Whether the side without material is where the surface's normal points away from.
     pub is_reversed: bool,
+    /// Whether the loops go round the normal of the surface clockwise.
+    pub is_clockwise: bool,
     /// The bounds as the file has them. A whole sphere or torus may have none.
     pub loops: Vec<Loop>,
     /// The bounds in the parameters of the surface, as polygons within 1e-3 of the size of the face. The

@@ -7,4 +7,6 @@ mod features;
 mod lexer;
 mod shapes;
 mod splines;
+mod tessellation;
+mod triangles;
 mod writer;

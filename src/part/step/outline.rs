@@ -22,7 +22,7 @@ use toolpathd_core::geometry::region::{Outline as Boundary, Region, RegionError}
 use toolpathd_core::geometry::segment::Segment;
 
 use self::plan::NoPlan;
-use self::rings::{HalfEdge, Patch, patches};
+use self::rings::{HalfEdge, JoinedFaces, joined_faces};
 use self::walls::{Beside, Surroundings};
 use super::model::{LevelFaces, Model};
 use crate::drawing::bulge;
@@ -99,8 +99,8 @@ pub fn outlines(model: &Model, tolerance_mm: f64, budget: &Budget) -> Result<Out
                 .entry(body)
                 .or_insert_with(|| Surroundings::of(&model.bodies[body], &model.faces));
             let setting = Setting { model, level, around };
-            match patches(&model.faces, own, tolerance_mm, budget) {
-                Ok(patches) => found.extend(patches.iter().map(|patch| setting.outline(patch))),
+            match joined_faces(&model.faces, own, tolerance_mm, budget) {
+                Ok(joined) => found.extend(joined.iter().map(|faces| setting.outline(faces))),
                 Err((_, NoPlan::Stopped(stopped))) => return Err(stopped),
                 Err((entity, NoPlan::Reason(reason))) => {
                     left_out.add("OUTLINE", reason, Place::Entity(entity));
@@ -122,18 +122,18 @@ struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    fn outline(&self, patch: &Patch) -> Outline {
-        let (outer, mut is_covered) = self.ring(&patch.outer);
-        let mut inner = Vec::with_capacity(patch.inner.len());
-        for ring in &patch.inner {
+    fn outline(&self, joined: &JoinedFaces) -> Outline {
+        let (outer, mut is_covered) = self.ring(&joined.outer);
+        let mut inner = Vec::with_capacity(joined.inner.len());
+        for ring in &joined.inner {
             let (ring, is_leaning) = self.ring(ring);
             is_covered |= is_leaning;
             inner.push(ring);
         }
         let area_mm2 = outer.area_mm2 - inner.iter().map(|ring| ring.area_mm2).sum::<f64>();
-        let rings = patch.inner.iter().chain([&patch.outer]);
+        let rings = joined.inner.iter().chain([&joined.outer]);
         let deviation_max_mm = rings.map(|ring| rings::deviation_mm(ring)).fold(0.0, f64::max);
-        Outline { faces: patch.faces.clone(), outer, inner, area_mm2, deviation_max_mm, is_covered }
+        Outline { faces: joined.faces.clone(), outer, inner, area_mm2, deviation_max_mm, is_covered }
     }
 
     /// A loop counterclockwise, and whether one of its walls leans over the level.
@@ -177,48 +177,43 @@ impl OutlineLoop {
         }
     }
 
-    /// The stretches without walls, each from a vertex on to another. One that goes all the way round goes
-    /// from the first vertex to the first.
+    /// The stretches without walls between walls, each from a vertex on to another. None without walls.
     pub fn open(&self) -> Vec<[usize; 2]> {
         let n = self.has_wall.len();
         let begins = |k: &usize| !self.has_wall[*k] && self.has_wall[(*k + n - 1) % n];
         let end = |k: usize| (1..=n).map(|step| (k + step) % n).find(|k| self.has_wall[*k]);
-        match self.walled() {
-            Walled::None => vec![[0, 0]],
-            _ => (0..n).filter(begins).filter_map(|k| end(k).map(|end| [k, end])).collect(),
-        }
+        (0..n).filter(begins).filter_map(|k| end(k).map(|end| [k, end])).collect()
     }
 }
 
-/// The area of an outline, with its box and its height.
-struct Area {
+/// Where an outline is: its level and its place there, its body, its height, and its box in plan.
+struct Footprint {
     at: [usize; 2],
     body: usize,
     height_mm: f64,
-    low: [f64; 2],
-    high: [f64; 2],
+    plan_box: [[f64; 2]; 2],
 }
 
 /// Finds the outlines above which faces of their bodies look down.
 fn cover(model: &Model, by_level: &mut [Vec<Outline>], budget: &Budget) -> Result<(), Stopped> {
-    let areas = |is_up: bool| -> Vec<Area> {
+    let areas = |is_up: bool| -> Vec<Footprint> {
         let levels = by_level.iter().enumerate().filter(|(k, _)| model.levels[*k].is_up == is_up);
         let all = levels.flat_map(|(k, own)| own.iter().enumerate().map(move |(m, own)| ([k, m], own)));
         all.filter(|(_, own)| !(is_up && own.is_covered))
             .map(|(at, own)| {
-                let [low, high] = plan_box(&own.outer);
                 let body = model.faces[own.faces[0]].body;
-                Area { at, body, height_mm: model.levels[at[0]].height_mm, low, high }
+                let height_mm = model.levels[at[0]].height_mm;
+                Footprint { at, body, height_mm, plan_box: plan_box(&own.outer) }
             })
             .collect()
     };
     let ceilings = areas(false);
     let mut covered = Vec::new();
     for floor in areas(true) {
-        let is_above = |ceiling: &&Area| {
+        let is_above = |ceiling: &&Footprint| {
             ceiling.body == floor.body
                 && ceiling.height_mm > floor.height_mm
-                && (0..2).all(|k| ceiling.low[k] < floor.high[k] && floor.low[k] < ceiling.high[k])
+                && do_meet(ceiling.plan_box, floor.plan_box)
         };
         for ceiling in ceilings.iter().filter(is_above) {
             budget.check()?;
@@ -243,6 +238,10 @@ fn plan_box(ring: &OutlineLoop) -> [[f64; 2]; 2] {
     corners.fold([[f64::MAX; 2], [f64::MIN; 2]], |found, corner| wider(found, corner.x, corner.y))
 }
 
+fn do_meet([low, high]: [[f64; 2]; 2], [other_low, other_high]: [[f64; 2]; 2]) -> bool {
+    (0..2).all(|k| low[k] < other_high[k] && other_low[k] < high[k])
+}
+
 /// Whether outlines have an area in common. Outlines that cross themselves count as overlapping.
 fn overlap(a: &Outline, b: &Outline, budget: &Budget) -> Result<bool, Stopped> {
     let length = |outline: &Outline| {
@@ -251,7 +250,8 @@ fn overlap(a: &Outline, b: &Outline, budget: &Budget) -> Result<bool, Stopped> {
     };
     let slack = OVERLAP_MM + a.deviation_max_mm + b.deviation_max_mm;
     let common = || -> Result<f64, RegionError> {
-        let both = region(a, budget)?.zip(region(b, budget)?);
+        let within = plan_box(&a.outer);
+        let both = region(a, within, budget)?.zip(region(b, within, budget)?);
         both.map_or(Ok(f64::INFINITY), |(a, b)| Ok(a.intersection(&b, budget)?.area()))
     };
     match common() {
@@ -261,13 +261,14 @@ fn overlap(a: &Outline, b: &Outline, budget: &Budget) -> Result<bool, Stopped> {
     }
 }
 
-/// The area of an outline; `None` if a loop crosses itself.
-fn region(outline: &Outline, budget: &Budget) -> Result<Option<Region>, RegionError> {
+/// The area of an outline, without the inner loops that are beside a box; `None` if a loop crosses itself.
+fn region(outline: &Outline, within: [[f64; 2]; 2], budget: &Budget) -> Result<Option<Region>, RegionError> {
     let boundary = |ring: &OutlineLoop| {
         let elements: Vec<Segment> = bulge::segments(&ring.vertices, true).collect();
         Boundary::new(&elements, budget).ok()
     };
     let Some(outer) = boundary(&outline.outer) else { return Ok(None) };
-    let Some(inner) = outline.inner.iter().map(boundary).collect::<Option<Vec<_>>>() else { return Ok(None) };
+    let near = outline.inner.iter().filter(|ring| do_meet(plan_box(ring), within));
+    let Some(inner) = near.map(boundary).collect::<Option<Vec<_>>>() else { return Ok(None) };
     Region::new(&[outer], &inner, budget).map(Some)
 }

@@ -4,11 +4,11 @@
 //! 1. The outermost loop of each face is directed counterclockwise in plan, the others clockwise.
 //! 2. An edge that two faces pass in opposite directions is inside: it vanishes. A walk along the other edges
 //!    goes on, at the end of an edge, past the edges that vanish.
-//! 3. Faces that are joined by edges that vanish are one patch. Its largest loop is the outer one.
+//! 3. Among the loops around faces that are joined by edges that vanish, the largest is the outer one.
 //!
 //! # Guarantees
 //! The area of the outer loop less those of the inner ones is the area of the faces, within the deviation;
-//! where the walk leads to another area, no edge vanishes, and each face is a patch.
+//! where the walk leads to another area, no edge vanishes, and each face stands alone.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -21,7 +21,7 @@ use crate::drawing::bulge;
 use crate::step::curve::Curve;
 use crate::step::model::{Edge, Face};
 
-/// The area of a patch may differ from that of its faces by this part of the area.
+/// The area within the loops may differ from that of the faces by this part of the area.
 const SAME_AREA: f64 = 1e-6;
 
 /// What tells an edge from others: its number, or its ends if it is a side of a polygon.
@@ -70,38 +70,38 @@ pub struct HalfEdge {
 
 /// Faces that hang together, with the half edges of their loops.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Patch {
+pub struct JoinedFaces {
     pub faces: Vec<usize>,
     pub outer: Vec<HalfEdge>,
     pub inner: Vec<Vec<HalfEdge>>,
 }
 
-/// The patches of level faces of one body, whose numbers grow.
+/// The level faces of one body that are joined by edges. The numbers grow.
 ///
 /// # Errors
 /// An edge has no plan, or the budget has ended. The number is that of the edge, or of its face.
-pub fn patches(
+pub fn joined_faces(
     faces: &[Face],
     numbers: &[usize],
     tolerance_mm: f64,
     budget: &Budget,
-) -> Result<Vec<Patch>, (u64, NoPlan)> {
+) -> Result<Vec<JoinedFaces>, (u64, NoPlan)> {
     let mut halves = Vec::new();
     for number in numbers {
         push_face(*number, &faces[*number], tolerance_mm, budget, &mut halves)?;
     }
     let joined = Halves { twins: twins(&halves), halves: &halves };
     let apart = Halves { twins: vec![None; halves.len()], halves: &halves };
-    let mut patches = Vec::new();
+    let mut found = Vec::new();
     for group in joined.groups(numbers) {
         budget.check().map_err(|stopped| (0, stopped.into()))?;
         let expected: f64 = group.iter().map(|number| faces[*number].area_mm2).sum();
-        match joined.patch(&group).filter(|patch| has_area(patch, expected)) {
-            Some(patch) => patches.push(patch),
-            None => patches.extend(group.iter().filter_map(|number| apart.patch(&[*number]))),
+        match joined.around(&group).filter(|joined| has_area(joined, expected)) {
+            Some(joined) => found.push(joined),
+            None => found.extend(group.iter().filter_map(|number| apart.around(&[*number]))),
         }
     }
-    Ok(patches)
+    Ok(found)
 }
 
 /// The vertices of a loop of half edges.
@@ -218,7 +218,7 @@ impl Halves<'_> {
     }
 
     /// The loops around faces; `None` if a walk does not come back.
-    fn patch(&self, group: &[usize]) -> Option<Patch> {
+    fn around(&self, group: &[usize]) -> Option<JoinedFaces> {
         let own = || group.iter().flat_map(|number| self.of_face(*number));
         let mut is_open: BTreeMap<usize, bool> = own().map(|k| (k, self.twins[k].is_none())).collect();
         let mut rings: Vec<Vec<HalfEdge>> = Vec::new();
@@ -240,7 +240,7 @@ impl Halves<'_> {
         let area = |ring: &Vec<HalfEdge>| bulge::area(&vertices(ring)).abs();
         let outermost = (0..rings.len()).max_by(|a, b| area(&rings[*a]).total_cmp(&area(&rings[*b])))?;
         let outer = rings.remove(outermost);
-        Some(Patch { faces: group.to_vec(), outer, inner: rings })
+        Some(JoinedFaces { faces: group.to_vec(), outer, inner: rings })
     }
 
     /// The half edge that goes on at the end of another, past the edges that vanish.
@@ -256,10 +256,10 @@ impl Halves<'_> {
     }
 }
 
-/// Whether the loops of a patch bound this area.
-fn has_area(patch: &Patch, expected: f64) -> bool {
+/// Whether the loops around faces bound this area.
+fn has_area(joined: &JoinedFaces, expected: f64) -> bool {
     let area = |ring: &Vec<HalfEdge>| bulge::area(&vertices(ring));
-    let rings = || patch.inner.iter().chain([&patch.outer]);
+    let rings = || joined.inner.iter().chain([&joined.outer]);
     let slack: f64 = rings().map(|ring| deviation_mm(ring) * bulge::length(&vertices(ring), true)).sum();
     // Inner loops run clockwise.
     let found: f64 = rings().map(area).sum();

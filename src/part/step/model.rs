@@ -108,7 +108,7 @@ pub struct Hole {
     pub diameter_mm: f64,
     /// The length of the cylinder, mm.
     pub depth_mm: f64,
-    /// Whether both ends are open.
+    /// Whether both ends are open. An end from which a narrower hole goes on is closed.
     pub is_through: bool,
 }
 

@@ -5,6 +5,7 @@ mod damage;
 mod faces;
 mod features;
 mod lexer;
+mod outlines;
 mod shapes;
 mod splines;
 mod tessellation;

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::api::support::{Answer, MILL, ONE_PASS, app, post};
 
-const INSPECT: &str = "/v1/parts/inspect";
+pub const INSPECT: &str = "/v1/parts/inspect";
 
 /// A bowl in rows to and fro, with decimal commas.
 fn bowl() -> String {
@@ -46,7 +46,7 @@ fn form(job: Option<&Value>, files: &[(&str, &str, &str)]) -> String {
     body + "--X--\r\n"
 }
 
-async fn send(path: &str, job: Option<&Value>, files: &[(&str, &str, &str)]) -> Answer {
+pub async fn send(path: &str, job: Option<&Value>, files: &[(&str, &str, &str)]) -> Answer {
     let headers = [("content-type", "multipart/form-data; boundary=X")];
     post(&app(&[]), path, form(job, files), &headers).await
 }
@@ -261,10 +261,10 @@ async fn a_receipt_takes_files_in_base64_alone() {
 }
 
 /// A block of 140 x 80 x 30 mm: a freeform face on its left, two pockets and four holes, one of them blind.
-const BLOCK: &str = include_str!("../../../openapi/files/block.step");
+pub const BLOCK: &str = include_str!("../../../openapi/files/block.step");
 
 /// What is in the block.
-async fn block() -> Value {
+pub async fn block() -> Value {
     let sent = send(INSPECT, None, &[("part", "block.step", BLOCK)]).await;
     assert_eq!(sent.status, StatusCode::OK, "{}", sent.text());
     sent.json()["report"].clone()

@@ -38,7 +38,8 @@ pub struct InspectRequest {
     /// Largest gap between the ends of curves of a drawing that counts as a joint, in mm.
     #[schema(minimum = 0, maximum = 10, default = 0.01)]
     gap_mm: Option<f64>,
-    /// Largest distance of splines and ellipses of a drawing from the arcs in their place, in mm.
+    /// Largest distance of splines and ellipses from the arcs in their place, in a drawing or in the outlines
+    /// of level faces, in mm.
     #[schema(minimum = 0.000_01, maximum = 1, default = 0.001)]
     curve_tolerance_mm: Option<f64>,
     /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer
@@ -278,10 +279,6 @@ impl From<&Drawing> for DrawingReport {
 
 impl From<&Loop> for LoopReport {
     fn from(own: &Loop) -> Self {
-        let vertex = |&[x, y, bulge]: &[f64; 3]| match bulge {
-            0.0 => LoopVertex::Plain([x, y]),
-            bulge => LoopVertex::Bulging([x, y, bulge]),
-        };
         Self {
             kind: if own.depth.is_multiple_of(2) { LoopKind::Wall } else { LoopKind::Island },
             layer: own.layer.clone(),
@@ -289,7 +286,16 @@ impl From<&Loop> for LoopReport {
             parent: own.parent,
             area_mm2: own.area_mm2,
             length_mm: own.length_mm,
-            vertices: own.vertices.iter().map(vertex).collect(),
+            vertices: own.vertices.iter().map(LoopVertex::from).collect(),
+        }
+    }
+}
+
+impl From<&[f64; 3]> for LoopVertex {
+    fn from(&[x, y, bulge]: &[f64; 3]) -> Self {
+        match bulge {
+            0.0 => Self::Plain([x, y]),
+            bulge => Self::Bulging([x, y, bulge]),
         }
     }
 }

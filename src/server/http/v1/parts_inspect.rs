@@ -31,6 +31,7 @@ use toolpathd_part::left_out::LeftOut;
 use toolpathd_part::points::grid::{NoGrid, grid};
 use toolpathd_part::points::{self, PointText};
 use toolpathd_part::step;
+use toolpathd_part::step::outline::{Outlines, outlines};
 use toolpathd_part::unit::Unit;
 use toolpathd_plot::solid;
 
@@ -43,10 +44,11 @@ const LARGEST_TURN: f64 = 0.1;
 /// Tell what is in a file.
 ///
 /// Send one file as `multipart/form-data`, with or without a part `job` in JSON, or in `base64`. The answer
-/// tells format and unit, the loops of a drawing (DXF) with their layers, areas and nesting, or how points in
-/// a text are written and what grid they make, and lists whatever was left out with its reason. What it tells
-/// can be sent on: a loop by its number as `wall` of a region with `kind: file`, or its vertices as
-/// `boundary`.
+/// tells format and unit, the loops of a drawing (DXF) with their layers, areas and nesting, the bodies,
+/// faces and holes of a solid (STEP) with the outlines of its level faces, or how points in a text are
+/// written and what grid they make, and lists whatever was left out with its reason. What it tells can be
+/// sent on: a loop by its number as `wall` of a region with `kind: file`, or its vertices, or those of an
+/// outline, as `boundary`.
 #[utoipa::path(post, path = "/v1/parts/inspect", operation_id = "inspectPart", tag = "parts",
     params(Wanted<Figures>), request_body = InspectRequest,
     responses((status = 200, description = "What is in the file, or a picture.", body = InspectAnswer)))]
@@ -215,8 +217,9 @@ fn model(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     for edge in model.faces.iter().flat_map(|face| &face.loops).flat_map(|own| &own.edges) {
         budget.check()?;
         let at = |k: usize| edge.from + (edge.to - edge.from) * k as f64 / POINTS_OF_EDGE as f64;
-        picture.solids.push((0..=POINTS_OF_EDGE).map(|k| edge.curve.point(at(k)) * mm).collect());
+        picture.edges.push((0..=POINTS_OF_EDGE).map(|k| edge.curve.point(at(k)) * mm).collect());
     }
+    let Outlines { by_level, left_out } = outlines(&model, job.curve_tolerance_mm / mm, budget)?;
     let corner = |corner: Point3<f64>| <[f64; 3]>::from(corner * mm);
     let bounds = model.bounds_mm.map(|[min, max]| FileBox { min: corner(min), max: corner(max) });
     Ok(Found {
@@ -225,9 +228,9 @@ fn model(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
         has_unit: model.is_unit_stated,
         bounds,
         drawing: None,
-        model: Some(ModelContents::new(&model, mm)),
+        model: Some(ModelContents::new(&model, &by_level, mm)),
         points: None,
-        left_out: model.left_out,
+        left_out: [model.left_out, left_out].concat(),
         shape: Shape::Nothing,
         picture,
     })

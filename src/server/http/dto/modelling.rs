@@ -93,7 +93,8 @@ impl IntoJob for ModelRequest {
         let Self { surface, wires, patches, meta } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
-        surface.check(&root.field("surface"), limits, &mut violations);
+        let advice = "send it to `/v1/parts/inspect`";
+        surface.check_without_meshes(&root.field("surface"), limits, advice, &mut violations);
         let wires = wires.map(|wires| wires.convert(&root.field("wires"), limits, &mut violations));
         meta::check(meta.as_ref(), &mut violations);
         violations.result()?;

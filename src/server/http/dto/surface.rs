@@ -11,6 +11,8 @@ mod point_grid;
 mod ruled;
 mod section_text;
 
+use std::sync::Arc;
+
 use nalgebra::Point3;
 
 use super::check::Violations;
@@ -23,6 +25,7 @@ use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 pub use bezier_patches::BezierPatches;
 pub use ferguson::Ferguson;
+use file::Found;
 pub use file::SurfaceFile;
 pub use normal_sweep::NormalSweep;
 pub use nurbs::Nurbs;
@@ -51,11 +54,34 @@ by_kind! {
 impl Surface {
     /// Puts the surface that a file holds in the place of the reference to the file.
     pub fn read_file(&mut self, at: &Pointer, reading: &mut FileReading) {
-        if let Self::File(file) = self
-            && let Some(surface) = file.surface(at, reading)
-        {
-            reading.moved(at.clone(), at.clone(), Some(file.file_name()));
-            *self = surface;
+        let Self::File(file) = self else { return };
+        match file.found(at, reading) {
+            Some(Found::Surface(surface)) => {
+                reading.moved(at.clone(), at.clone(), Some(file.file_name()));
+                *self = surface;
+            }
+            Some(Found::Mesh(mesh)) => file.keep(mesh),
+            None => {}
+        }
+    }
+
+    /// Whether the surface is a mesh of triangles.
+    pub fn is_mesh(&self) -> bool {
+        matches!(self, Self::File(file) if file.mesh().is_some())
+    }
+
+    /// As [`Self::check`], for jobs that do not take a mesh of triangles.
+    pub fn check_without_meshes(
+        &self,
+        at: &Pointer,
+        limits: &Limits,
+        advice: &str,
+        violations: &mut Violations,
+    ) {
+        self.check(at, limits, violations);
+        if self.is_mesh() {
+            let detail = format!("a mesh of triangles is not taken here: {advice}");
+            violations.add(at, FieldCode::Unsupported, detail);
         }
     }
 
@@ -77,6 +103,7 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.check(at, limits, violations),
             Self::NormalSweep(sweep) => sweep.check(at, limits, violations),
             Self::Ruled(ruled) => ruled.check(at, limits, violations),
+            Self::File(file) if file.mesh().is_some() => {}
             Self::File(_) => {
                 violations.add(at, FieldCode::Unsupported, "no file is read here: send the surface itself");
             }
@@ -94,7 +121,7 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.bounds(),
             Self::NormalSweep(sweep) => sweep.bounds(),
             Self::Ruled(ruled) => ruled.bounds(),
-            Self::File(_) => bounds(std::iter::empty()),
+            Self::File(file) => file.bounds().unwrap_or_else(|| bounds(std::iter::empty())),
         }
     }
 }
@@ -118,8 +145,11 @@ impl From<Surface> for Source {
             Surface::ParallelSweep(sweep) => Self::ParallelSweep(sweep.into()),
             Surface::NormalSweep(sweep) => Self::NormalSweep(sweep.into()),
             Surface::Ruled(ruled) => Self::Ruled(ruled.into()),
-            // Checks refuse a file that was not read.
-            Surface::File(_) => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
+            Surface::File(file) => match file.mesh() {
+                Some(mesh) => Self::Mesh(Arc::clone(mesh)),
+                // Checks refuse a file that was not read.
+                None => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
+            },
         }
     }
 }

@@ -139,6 +139,8 @@ pub enum WarningCode {
     OpenCurves,
     /// Points in any order are put into rows.
     PointsGridded,
+    /// The surface is a mesh of triangles, and the figures are about them.
+    SurfaceOfTriangles,
     /// Whether centres are incremental or absolute was found from the arcs.
     CentersAssumed,
     /// A setting of the control decides what a word means, and one of its values is taken.

@@ -1,5 +1,10 @@
 //! The surface kind `file` in requests: a surface in a file that is sent with the request.
 
+mod mesh;
+
+use std::sync::Arc;
+
+use nalgebra::Point3;
 use serde::Deserialize;
 use utoipa::ToSchema;
 use utoipa::openapi::schema::{ObjectBuilder, Type};
@@ -14,12 +19,14 @@ use crate::http::dto::schema::{array_of, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::messages::{WarningCode, no_grid};
 use crate::http::pointer::Pointer;
+use toolpathd_core::geometry::triangle_mesh::TriangleMesh;
 use toolpathd_part::format::Format;
 use toolpathd_part::points::grid::{Grid, NoGrid, grid};
 use toolpathd_part::points::{self, PointText};
 use toolpathd_part::step::{self, Face, Model};
 
-/// A surface in a file: a text of measured points that make a grid, or a face of a solid in STEP.
+/// A surface in a file: a mesh of triangles (STL, OBJ, PLY, 3MF), a text of measured points that make a grid,
+/// or faces of a solid in STEP.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceFile {
@@ -44,6 +51,16 @@ pub struct SurfaceFile {
     /// spacing.
     #[schema(minimum = 0, maximum = 1000)]
     grid_within_mm: Option<f64>,
+    /// The mesh of the file, once it was read.
+    #[serde(skip)]
+    #[schema(ignore)]
+    mesh: Option<Arc<TriangleMesh>>,
+}
+
+/// What a file holds.
+pub enum Found {
+    Surface(Surface),
+    Mesh(Arc<TriangleMesh>),
 }
 
 schema_of!(FaceNumbers, "Numbers of faces, counted from 0.", {
@@ -60,8 +77,23 @@ impl SurfaceFile {
         &self.name
     }
 
-    /// The surface of the file; `None` with a violation where there is none.
-    pub fn surface(&self, at: &Pointer, reading: &mut FileReading) -> Option<Surface> {
+    /// The mesh of the file, once it was read.
+    pub fn mesh(&self) -> Option<&Arc<TriangleMesh>> {
+        self.mesh.as_ref()
+    }
+
+    /// Keeps the mesh of the file.
+    pub fn keep(&mut self, mesh: Arc<TriangleMesh>) {
+        self.mesh = Some(mesh);
+    }
+
+    /// Two opposite corners of the box of the mesh, mm.
+    pub fn bounds(&self) -> Option<(Point3<f64>, Point3<f64>)> {
+        self.mesh.as_ref().map(|mesh| (mesh.bounds().min.into(), mesh.bounds().max.into()))
+    }
+
+    /// What the file holds; `None` with a violation where it is no surface.
+    pub fn found(&self, at: &Pointer, reading: &mut FileReading) -> Option<Found> {
         let before = reading.violations.total();
         reading.violations.optional(&at.field("grid_within_mm"), self.grid_within_mm, WITHIN, "mm");
         if reading.violations.total() > before {
@@ -70,16 +102,31 @@ impl SurfaceFile {
         let reference = Reference { at, name: &self.name, base64: self.base64.as_deref(), units: self.units };
         let bytes = reference.bytes(reading)?;
         match Format::of(&self.name, &bytes) {
-            Format::Points => self.point_grid(&reference, &bytes, reading).map(Surface::PointGrid),
-            Format::Step => self.face(&reference, &bytes, reading).map(Surface::Nurbs),
+            Format::Points => {
+                self.point_grid(&reference, &bytes, reading).map(Surface::PointGrid).map(Found::Surface)
+            }
+            Format::Step => self.face(&reference, &bytes, reading).map(Surface::Nurbs).map(Found::Surface),
+            Format::Mesh(format) => {
+                self.refuse_other_members(&[("faces", self.faces.is_some())], at, reading);
+                mesh::of_file(&reference, format, &bytes, reading).map(Found::Mesh)
+            }
             other => {
                 let detail = format!(
-                    "a surface is read from STEP or a text of points, and this is {}",
+                    "a surface is read from STEP, a mesh of triangles or a text of points, and this is {}",
                     format_name(other)
                 );
                 reference.blame(FieldCode::Unsupported, &detail, reading);
                 None
             }
+        }
+    }
+
+    /// Refuses members that belong to other formats.
+    fn refuse_other_members(&self, members: &[(&str, bool)], at: &Pointer, reading: &mut FileReading) {
+        let of_points = [("grid_within_mm", self.grid_within_mm.is_some())];
+        for (name, _) in members.iter().chain(&of_points).filter(|(_, is_sent)| *is_sent) {
+            let detail = "this member belongs to another format of files; leave it out";
+            reading.violations.add(&at.field(name), FieldCode::Conflict, detail);
         }
     }
 

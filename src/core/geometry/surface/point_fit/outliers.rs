@@ -1,0 +1,168 @@
+//! Points that leave the surface of their neighbours, among points in any order.
+//!
+//! # Method
+//! 1. A coarse spline is subtracted from the heights ([`rough_fit`]).
+//! 2. Each point is predicted by least squares from its neighbours on all sides ([`neighbours`]). The quieter
+//!    quarter of the residuals tells the noise. A point within a few times the noise is no outlier.
+//! 3. Each other point is predicted robustly ([`local`]), from all neighbours and from the neighbours on one
+//!    side, for eight sides. A crease or a step leaves at least one side undisturbed. The point is an outlier
+//!    where every prediction is off: by more than a bound times its own scale, and by more than the stated
+//!    error. The scale is at least the noise.
+//! 4. Outliers are left out, and their surroundings are judged again, until nothing is found. Last, each
+//!    outlier is judged by the points that are left.
+//!
+//! [`neighbours`]: super::neighbours
+//! [`local`]: super::local
+//! [`rough_fit`]: super::rough_fit
+
+use super::local::{Neighbour, Prediction, Robustness, predicted};
+use super::neighbours::{Cells, SECTORS};
+use crate::budget::{Budget, Stopped};
+
+/// Points farther off than this many standard deviations of the noise are judged closely.
+const SUSPECT: f64 = 5.0;
+
+/// The quarter of a normal distribution's absolute values lies below this many standard deviations.
+const QUARTER: f64 = 0.318_6;
+
+/// The most rounds: each finds what an outlier beside hid.
+const MOST_ROUNDS: usize = 8;
+
+/// The largest leverage of the neighbours on one side. A prediction far beyond its neighbours says little.
+const MOST_LEVERAGE: f64 = 4.0;
+
+/// Rings of cells around an outlier that are judged again.
+const RINGS: usize = 8;
+
+/// Points that a thread judges at a time.
+const CHUNK: usize = 512;
+
+/// The noise counts as at least this part of the stated error, so that exact data have a scale.
+const LEAST_NOISE: f64 = 1e-3;
+
+/// Scales beyond which a residual makes an outlier, by the neighbours beyond the coefficients. Few of them
+/// may fit by chance.
+const fn bound(freedom: usize) -> f64 {
+    match freedom {
+        0..6 => 25.0,
+        6..9 => 20.0,
+        9..13 => 15.0,
+        _ => 11.0,
+    }
+}
+
+/// A point off the surface of its neighbours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Off {
+    pub index: usize,
+    /// Its height above the surface of its neighbours, mm.
+    pub off: f64,
+}
+
+/// The outliers among heights at the places of `cells`, by their index. Errors up to `allowed` (mm) make none.
+///
+/// # Errors
+/// Only the budget's stop.
+pub fn outliers(
+    cells: &Cells,
+    places: &[[f64; 2]],
+    heights: &[f64],
+    allowed: f64,
+    budget: &Budget,
+) -> Result<Vec<Off>, Stopped> {
+    let n = heights.len();
+    let mut judge = Judge { cells, heights, allowed, noise: 0.0, is_kept: vec![true; n] };
+    let all: Vec<usize> = (0..n).collect();
+    let first = judge.each(&all, budget, |judge, k| {
+        let plain = predicted(&judge.neighbours(k), Robustness::None, 0.0)?;
+        Some(plain.off.abs() / (1.0 + plain.leverage).sqrt())
+    })?;
+    let mut sizes: Vec<f64> = first.iter().flatten().copied().collect();
+    if sizes.is_empty() {
+        return Ok(Vec::new());
+    }
+    let quarter = sizes.len() / 4;
+    let quiet = *sizes.select_nth_unstable_by(quarter, f64::total_cmp).1;
+    judge.noise = (quiet / QUARTER).max(LEAST_NOISE * allowed);
+    let is_suspect = |k: &usize| first[*k].is_some_and(|size| size > SUSPECT * judge.noise);
+    let mut suspects: Vec<usize> = all.into_iter().filter(is_suspect).collect();
+    for _ in 0..MOST_ROUNDS {
+        let found: Vec<usize> =
+            judge.each(&suspects, budget, Judge::off)?.into_iter().flatten().map(|off| off.index).collect();
+        if found.is_empty() {
+            break;
+        }
+        found.iter().for_each(|k| judge.is_kept[*k] = false);
+        let mut is_near = vec![false; n];
+        for k in &found {
+            for ring in 0..=RINGS {
+                cells.visit_ring(&places[*k], ring, |index| is_near[index] = judge.is_kept[index]);
+            }
+        }
+        suspects = (0..n).filter(|k| is_near[*k]).collect();
+    }
+    let left_out: Vec<usize> = (0..n).filter(|k| !judge.is_kept[*k]).collect();
+    Ok(judge.each(&left_out, budget, Judge::off)?.into_iter().flatten().collect())
+}
+
+struct Judge<'a> {
+    cells: &'a Cells<'a>,
+    heights: &'a [f64],
+    allowed: f64,
+    noise: f64,
+    is_kept: Vec<bool>,
+}
+
+impl Judge<'_> {
+    /// `judged` for each of the points, in their order.
+    fn each<T: Send>(
+        &self,
+        points: &[usize],
+        budget: &Budget,
+        judged: impl Fn(&Self, usize) -> Option<T> + Sync,
+    ) -> Result<Vec<Option<T>>, Stopped> {
+        let chunks: Vec<&[usize]> = points.chunks(CHUNK).collect();
+        let results = budget.in_order(chunks.len(), |c| {
+            budget.check()?;
+            Ok(chunks[c].iter().map(|k| judged(self, *k)).collect::<Vec<_>>())
+        })?;
+        Ok(results.into_iter().flatten().collect())
+    }
+
+    fn neighbours(&self, k: usize) -> Vec<Neighbour> {
+        let near = self.cells.around(k, &self.is_kept);
+        near.into_iter()
+            .map(|near| Neighbour { near, rise: self.heights[near.index] - self.heights[k] })
+            .collect()
+    }
+
+    /// How far off point `k` is, by the prediction that fits it best; `None` where it is no outlier.
+    fn off(&self, k: usize) -> Option<Off> {
+        let all = self.neighbours(k);
+        let mut best = predicted(&all, Robustness::Full, self.noise)?;
+        for first in 0..SECTORS {
+            if !self.is_off(&best) {
+                return None;
+            }
+            let is_side = |one: &&Neighbour| (one.near.sector + SECTORS - first) % SECTORS < SECTORS / 2;
+            let side: Vec<Neighbour> = all.iter().filter(is_side).copied().collect();
+            let of_side = predicted(&side, Robustness::Full, self.noise);
+            if let Some(side) = of_side.filter(|side| side.leverage <= MOST_LEVERAGE)
+                && ratio(&side) < ratio(&best)
+            {
+                best = side;
+            }
+        }
+        self.is_off(&best).then_some(Off { index: k, off: best.off })
+    }
+
+    fn is_off(&self, prediction: &Prediction) -> bool {
+        ratio(prediction) > 1.0 && prediction.off.abs() > self.allowed
+    }
+}
+
+/// How far off the point is, in multiples of what makes an outlier.
+fn ratio(prediction: &Prediction) -> f64 {
+    let Prediction { off, scale, leverage, freedom } = prediction;
+    off.abs() / (bound(*freedom) * scale * (1.0 + leverage).sqrt())
+}

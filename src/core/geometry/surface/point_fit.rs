@@ -56,8 +56,8 @@ use super::any_surface::AnySurface;
 use super::nurbs::{Nurbs, NurbsError};
 use super::{Jet, Surface};
 use crate::budget::{Budget, Stopped};
-use coverage::extrapolated;
 pub use coverage::Extrapolated;
+use coverage::extrapolated;
 use frame::Frame;
 use neighbours::Cells;
 use net::Net;
@@ -142,7 +142,9 @@ pub enum PointFitError {
     NotFinite { index: usize },
     #[error("the bound of the error is not above zero")]
     Bound,
-    #[error("all points are on one line in plan, within {width_mm} mm; a surface needs points beside the line")]
+    #[error(
+        "all points are on one line in plan, within {width_mm} mm; a surface needs points beside the line"
+    )]
     OnALine { width_mm: f64 },
     #[error(
         "points {} and {} are one above the other, {rise_mm:.4} mm apart; a surface over the plan has one height at each place",
@@ -191,7 +193,8 @@ impl PointFit {
         let left_out = self.outliers(&frame, &cells, &places, budget)?;
         let kept = kept(points.len(), &left_out);
         let rise = 2.0 * self.allowed();
-        if let Some(stacked) = stacked::stacked(&kept, &places, points, cells.side(), rise).into_iter().next() {
+        if let Some(stacked) = stacked::stacked(&kept, &places, points, cells.side(), rise).into_iter().next()
+        {
             return Err(stacked.into());
         }
         let kept_places: Vec<[f64; 2]> = kept.iter().map(|k| places[*k]).collect();
@@ -259,12 +262,13 @@ impl PointFit {
             return Ok(Vec::new());
         }
         // Heights from the first one, so that little is lost to rounding.
-        let heights: Vec<f64> = points.iter().map(|p| p.z - points[0].z).collect();
-        let samples = frame.samples(places.iter().copied().zip(heights.iter().copied()));
-        let heights = rough_fit::rest(&samples, frame.unit_lengths(), budget)?.unwrap_or(heights);
+        let heights = points.iter().map(|p| p.z - points[0].z);
+        let samples = frame.samples(places.iter().copied().zip(heights));
         let of = |off: outliers::Off| Outlier { index: off.index, point: points[off.index], off_mm: off.off };
-        let found: Vec<Outlier> =
-            outliers(cells, places, &heights, self.allowed(), budget)?.into_iter().map(of).collect();
+        let found: Vec<Outlier> = outliers(cells, &samples, frame.unit_lengths(), self.allowed(), budget)?
+            .into_iter()
+            .map(of)
+            .collect();
         match found.first() {
             Some(first) if found.len() as f64 > MOST_OUTLIERS * points.len() as f64 => {
                 let (found, n_points) = (found.len(), points.len());

@@ -87,6 +87,51 @@ impl Factor {
     }
 }
 
+/// The entries of an inverse matrix within the band of the matrix.
+pub struct Inverse {
+    half: usize,
+    /// Row i holds the columns from i - `half` to i + `half`.
+    entries: Vec<f64>,
+}
+
+impl Inverse {
+    /// The entry in row `i` and column `j`, which is within the band.
+    pub fn at(&self, i: usize, j: usize) -> f64 {
+        self.entries[i * (2 * self.half + 1) + self.half + j - i]
+    }
+}
+
+impl Factor {
+    /// The inverse of the matrix within the band, by Takahashi's recursion from the last column to the first.
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn inverse(&self, budget: &Budget) -> Result<Inverse, Stopped> {
+        let Self(lower) = self;
+        let (half, width) = (lower.half, 2 * lower.half + 1);
+        let n = lower.entries.len() / (half + 1);
+        let mut entries = vec![0.0; n * width];
+        for j in (0..n).rev() {
+            if j.is_multiple_of(64) {
+                budget.check()?;
+            }
+            let end = (j + half + 1).min(n);
+            let pivot = lower.row(j)[half];
+            let column: Vec<f64> = (j + 1..end).map(|i| lower.row(i)[half + j - i]).collect();
+            for i in j + 1..end {
+                let at = i * width + half + j + 1 - i;
+                let value = -dot(&column, &entries[at..at + column.len()]) / pivot;
+                entries[at - 1] = value;
+                entries[j * width + half + i - j] = value;
+            }
+            let at = j * width + half;
+            let row = &entries[at + 1..at + 1 + column.len()];
+            entries[at] = (1.0 / pivot - dot(&column, row)) / pivot;
+        }
+        Ok(Inverse { half, entries })
+    }
+}
+
 /// The dot product, in eight sums so that the processor can add several numbers at a time.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
@@ -121,7 +166,16 @@ mod tests {
                 near.map(|j| entry(i.max(j), i.min(j)) * expected[j]).sum()
             })
             .collect();
-        matrix.factored(&Budget::unlimited()).unwrap().unwrap().solve(&mut right);
+        let factor = matrix.factored(&Budget::unlimited()).unwrap().unwrap();
+        factor.solve(&mut right);
+        let inverse = factor.inverse(&Budget::unlimited()).unwrap();
+        for j in [0, 3, 20, n - 1] {
+            let mut column: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+            factor.solve(&mut column);
+            for i in (0..n).filter(|i| i.abs_diff(j) <= half) {
+                assert!((inverse.at(i, j) - column[i]).abs() < 1e-15, "{i} {j}");
+            }
+        }
         for (x, y) in right.iter().zip(&expected) {
             assert!((x - y).abs() < 1e-13, "{x} {y}");
         }

@@ -62,11 +62,7 @@ pub enum Robustness {
 
 /// The prediction by the neighbours; `None` where they are too few, or on a line. No scale is taken smaller
 /// than `least_scale`.
-pub fn predicted(
-    neighbours: &[Neighbour],
-    robustness: Robustness,
-    least_scale: f64,
-) -> Option<Prediction> {
+pub fn predicted(neighbours: &[Neighbour], robustness: Robustness, least_scale: f64) -> Option<Prediction> {
     let freedom = neighbours.len().checked_sub(N).filter(|freedom| *freedom >= LEAST_FREEDOM)?;
     let reach = neighbours.iter().map(|one| one.near.distance).fold(0.0, f64::max);
     let terms: Vec<[f64; N]> = neighbours.iter().map(|one| terms(one.near.offset, reach)).collect();

@@ -52,7 +52,8 @@ impl<'a> Cells<'a> {
         let side = (POINTS_PER_CELL * area / places.len() as f64).sqrt().max(longest / MOST_CELLS as f64);
         let side = if side > 0.0 { side } else { 1.0 };
         let size = frame.lengths.map(|length| (length / side) as usize + 1);
-        let mut cells = Self { places, size, side, starts: vec![0; size[0] * size[1] + 1], points: Vec::new() };
+        let mut cells =
+            Self { places, size, side, starts: vec![0; size[0] * size[1] + 1], points: Vec::new() };
         let of: Vec<usize> = places.iter().map(|place| cells.number(cells.cell(place))).collect();
         of.iter().for_each(|cell| cells.starts[cell + 1] += 1);
         (0..size[0] * size[1]).for_each(|k| cells.starts[k + 1] += cells.starts[k]);
@@ -95,7 +96,10 @@ impl<'a> Cells<'a> {
                 if inside(1, j) {
                     is_inside = true;
                     let cell = self.number([i as usize, j as usize]);
-                    self.points[self.starts[cell]..self.starts[cell + 1]].iter().copied().for_each(&mut visit);
+                    self.points[self.starts[cell]..self.starts[cell + 1]]
+                        .iter()
+                        .copied()
+                        .for_each(&mut visit);
                 }
             }
         }

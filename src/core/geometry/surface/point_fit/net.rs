@@ -108,8 +108,7 @@ mod tests {
         let steps = [0.5, 0.2];
         let energy = |value: &dyn Fn(f64, f64) -> f64| {
             let matrix = roughness(steps);
-            let net: Vec<f64> =
-                (0..16).map(|k| value((k / 4) as f64 - 1.0, (k % 4) as f64 - 1.0)).collect();
+            let net: Vec<f64> = (0..16).map(|k| value((k / 4) as f64 - 1.0, (k % 4) as f64 - 1.0)).collect();
             let rows = matrix.iter().zip(&net);
             rows.map(|(row, x)| x * row.iter().zip(&net).map(|(m, y)| m * y).sum::<f64>()).sum::<f64>()
         };

@@ -8,7 +8,7 @@
 //!    side, for eight sides. A crease or a step leaves at least one side undisturbed. The point is an outlier
 //!    where every prediction is off: by more than a bound times its own scale, and by more than the stated
 //!    error. The scale is at least the noise.
-//! 4. Outliers are left out, and their surroundings are judged again, until nothing is found. Last, each
+//! 4. Outliers are left out, and all is done again, until nothing is found. Last, each
 //!    outlier is judged by the points that are left.
 //!
 //! [`neighbours`]: super::neighbours
@@ -17,6 +17,8 @@
 
 use super::local::{Neighbour, Prediction, Robustness, predicted};
 use super::neighbours::{Cells, SECTORS};
+use super::rough_fit;
+use super::system::Sample;
 use crate::budget::{Budget, Stopped};
 
 /// Points farther off than this many standard deviations of the noise are judged closely.
@@ -28,17 +30,21 @@ const QUARTER: f64 = 0.318_6;
 /// The most rounds: each finds what an outlier beside hid.
 const MOST_ROUNDS: usize = 8;
 
-/// The largest leverage of the neighbours on one side. A prediction far beyond its neighbours says little.
-const MOST_LEVERAGE: f64 = 4.0;
+/// The largest leverage of the neighbours on one side, and the fewest of these beyond the coefficients. Other
+/// predictions say little, and excuse no point.
+const MOST_LEVERAGE: f64 = 2.0;
+const LEAST_FREEDOM: usize = 6;
 
-/// Rings of cells around an outlier that are judged again.
-const RINGS: usize = 8;
+/// A prediction whose scale is more than this many times the least one excuses no point: other outliers, or
+/// something else that disturbs it, make its scale large.
+const MOST_SCALE: f64 = 10.0;
 
 /// Points that a thread judges at a time.
 const CHUNK: usize = 512;
 
-/// The noise counts as at least this part of the stated error, so that exact data have a scale.
-const LEAST_NOISE: f64 = 1e-3;
+/// The noise counts as at least this part of the stated error. Below that, the waves that a coarse spline
+/// leaves of exact data would count as mistakes.
+const LEAST_NOISE: f64 = 0.1;
 
 /// Scales beyond which a residual makes an outlier, by the neighbours beyond the coefficients. Few of them
 /// may fit by chance.
@@ -59,61 +65,73 @@ pub struct Off {
     pub off: f64,
 }
 
-/// The outliers among heights at the places of `cells`, by their index. Errors up to `allowed` (mm) make none.
+/// The outliers among samples at the places of `cells`, by their index. Errors up to `allowed` (mm) make none.
+/// The longer of `lengths` is 1.
 ///
 /// # Errors
 /// Only the budget's stop.
 pub fn outliers(
     cells: &Cells,
-    places: &[[f64; 2]],
-    heights: &[f64],
+    samples: &[Sample],
+    lengths: [f64; 2],
     allowed: f64,
     budget: &Budget,
 ) -> Result<Vec<Off>, Stopped> {
-    let n = heights.len();
-    let mut judge = Judge { cells, heights, allowed, noise: 0.0, is_kept: vec![true; n] };
-    let all: Vec<usize> = (0..n).collect();
-    let first = judge.each(&all, budget, |judge, k| {
-        let plain = predicted(&judge.neighbours(k), Robustness::None, 0.0)?;
-        Some(plain.off.abs() / (1.0 + plain.leverage).sqrt())
-    })?;
-    let mut sizes: Vec<f64> = first.iter().flatten().copied().collect();
-    if sizes.is_empty() {
-        return Ok(Vec::new());
-    }
-    let quarter = sizes.len() / 4;
-    let quiet = *sizes.select_nth_unstable_by(quarter, f64::total_cmp).1;
-    judge.noise = (quiet / QUARTER).max(LEAST_NOISE * allowed);
-    let is_suspect = |k: &usize| first[*k].is_some_and(|size| size > SUSPECT * judge.noise);
-    let mut suspects: Vec<usize> = all.into_iter().filter(is_suspect).collect();
+    let mut samples = samples.to_vec();
+    let mut judge = Judge {
+        cells,
+        heights: samples.iter().map(|sample| sample.height).collect(),
+        allowed,
+        noise: 0.0,
+        is_kept: vec![true; samples.len()],
+    };
     for _ in 0..MOST_ROUNDS {
-        let found: Vec<usize> =
-            judge.each(&suspects, budget, Judge::off)?.into_iter().flatten().map(|off| off.index).collect();
+        if let Some(rest) = rough_fit::rest(&samples, lengths, LEAST_NOISE * allowed, budget)? {
+            judge.heights = rest;
+        }
+        let found = judge.round(budget)?;
         if found.is_empty() {
             break;
         }
-        found.iter().for_each(|k| judge.is_kept[*k] = false);
-        let mut is_near = vec![false; n];
-        for k in &found {
-            for ring in 0..=RINGS {
-                cells.visit_ring(&places[*k], ring, |index| is_near[index] = judge.is_kept[index]);
-            }
+        for k in found {
+            judge.is_kept[k] = false;
+            samples[k].weight = 0.0;
         }
-        suspects = (0..n).filter(|k| is_near[*k]).collect();
     }
-    let left_out: Vec<usize> = (0..n).filter(|k| !judge.is_kept[*k]).collect();
+    let left_out: Vec<usize> = (0..samples.len()).filter(|k| !judge.is_kept[*k]).collect();
     Ok(judge.each(&left_out, budget, Judge::off)?.into_iter().flatten().collect())
 }
 
 struct Judge<'a> {
     cells: &'a Cells<'a>,
-    heights: &'a [f64],
+    heights: Vec<f64>,
     allowed: f64,
     noise: f64,
     is_kept: Vec<bool>,
 }
 
 impl Judge<'_> {
+    /// Measures the noise, and finds outliers among the points that are kept.
+    fn round(&mut self, budget: &Budget) -> Result<Vec<usize>, Stopped> {
+        let kept: Vec<usize> = (0..self.heights.len()).filter(|k| self.is_kept[*k]).collect();
+        let sizes = self.each(&kept, budget, |judge, k| {
+            let plain = predicted(&judge.neighbours(k), Robustness::None, 0.0)?;
+            Some(plain.off.abs() / (1.0 + plain.leverage).sqrt())
+        })?;
+        let mut known: Vec<f64> = sizes.iter().flatten().copied().collect();
+        if known.is_empty() {
+            return Ok(Vec::new());
+        }
+        let quarter = known.len() / 4;
+        let quiet = *known.select_nth_unstable_by(quarter, f64::total_cmp).1;
+        self.noise = (quiet / QUARTER).max(LEAST_NOISE * self.allowed);
+        let is_suspect = |size: &Option<f64>| size.is_some_and(|size| size > SUSPECT * self.noise);
+        let suspects: Vec<usize> =
+            kept.iter().zip(&sizes).filter(|(_, size)| is_suspect(size)).map(|(k, _)| *k).collect();
+        let found = self.each(&suspects, budget, Self::off)?;
+        Ok(found.into_iter().flatten().map(|off| off.index).collect())
+    }
+
     /// `judged` for each of the points, in their order.
     fn each<T: Send>(
         &self,
@@ -139,21 +157,20 @@ impl Judge<'_> {
     /// How far off point `k` is, by the prediction that fits it best; `None` where it is no outlier.
     fn off(&self, k: usize) -> Option<Off> {
         let all = self.neighbours(k);
-        let mut best = predicted(&all, Robustness::Full, self.noise)?;
+        let whole = predicted(&all, Robustness::Full, self.noise).filter(|whole| self.is_off(whole))?;
+        let mut predictions = vec![whole];
         for first in 0..SECTORS {
-            if !self.is_off(&best) {
-                return None;
-            }
             let is_side = |one: &&Neighbour| (one.near.sector + SECTORS - first) % SECTORS < SECTORS / 2;
             let side: Vec<Neighbour> = all.iter().filter(is_side).copied().collect();
             let of_side = predicted(&side, Robustness::Full, self.noise);
-            if let Some(side) = of_side.filter(|side| side.leverage <= MOST_LEVERAGE)
-                && ratio(&side) < ratio(&best)
-            {
-                best = side;
-            }
+            predictions.extend(
+                of_side.filter(|side| side.leverage <= MOST_LEVERAGE && side.freedom >= LEAST_FREEDOM),
+            );
         }
-        self.is_off(&best).then_some(Off { index: k, off: best.off })
+        let quietest = predictions.iter().map(|one| one.scale).fold(f64::INFINITY, f64::min);
+        let is_quiet = |one: &&Prediction| one.scale <= MOST_SCALE * quietest;
+        let best = predictions.iter().filter(is_quiet).min_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
+        self.is_off(best).then_some(Off { index: k, off: best.off })
     }
 
     fn is_off(&self, prediction: &Prediction) -> bool {

@@ -44,7 +44,10 @@ pub struct Spline {
 pub enum Found {
     Spline(Spline),
     /// The closest fit on the finest net: its error, and the sample that is farthest off.
-    TooFar { error: f64, worst: usize },
+    TooFar {
+        error: f64,
+        worst: usize,
+    },
 }
 
 impl Error {
@@ -52,9 +55,7 @@ impl Error {
     pub fn of(self, residuals: &[f64]) -> f64 {
         match self {
             Self::Max(_) => residuals.iter().fold(0.0, |most, r| r.abs().max(most)),
-            Self::Rms(_) => {
-                (residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64).sqrt()
-            }
+            Self::Rms(_) => (residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64).sqrt(),
         }
     }
 
@@ -98,12 +99,10 @@ pub fn smoothest(
 
 /// The nets from coarse to fine. The last one has as many cells as the limit permits.
 fn nets(lengths: [f64; 2]) -> Vec<Net> {
-    let of = |cells: usize| Net {
-        cells: lengths.map(|length| ((length * cells as f64).round() as usize).max(1)),
-    };
+    let of =
+        |cells: usize| Net { cells: lengths.map(|length| ((length * cells as f64).round() as usize).max(1)) };
     let is_small = |net: &Net| net.n_control_points() <= MOST_CONTROL_POINTS;
-    let mut nets: Vec<Net> =
-        (0..).map(|k| of(COARSEST << k)).take_while(is_small).collect();
+    let mut nets: Vec<Net> = (0..).map(|k| of(COARSEST << k)).take_while(is_small).collect();
     let last = COARSEST << (nets.len() - 1);
     let finest = (last + 1..2 * last).rev().map(of).find(is_small);
     nets.extend(finest);

@@ -106,6 +106,34 @@ impl System {
     /// # Errors
     /// Only the budget's stop.
     pub fn solve(&self, weight: f64, budget: &Budget) -> Result<Option<Solution>, Stopped> {
+        Ok(self.factored(weight, budget)?.map(|factor| self.solution(&factor, weight)))
+    }
+
+    /// As [`Self::solve`], with the leverage of each sample: how far the solution moves there with the
+    /// sample's height, as a part of the height's change.
+    ///
+    /// # Errors
+    /// Only the budget's stop.
+    pub fn solve_with_leverages(
+        &self,
+        weight: f64,
+        budget: &Budget,
+    ) -> Result<Option<(Solution, Vec<f64>)>, Stopped> {
+        let Some(factor) = self.factored(weight, budget)? else { return Ok(None) };
+        let inverse = factor.inverse(budget)?;
+        let leverage = |row: &Row| -> f64 {
+            let values = products(&row.along);
+            let at = |k: usize| row.first + k / WIDTH * self.n_fast + k % WIDTH;
+            let line = |k: usize| -> f64 {
+                values.iter().enumerate().map(|(l, y)| inverse.at(at(k), at(l)) * y).sum()
+            };
+            row.share * values.iter().enumerate().map(|(k, x)| x * line(k)).sum::<f64>()
+        };
+        let leverages = self.rows.iter().map(leverage).collect();
+        Ok(Some((self.solution(&factor, weight), leverages)))
+    }
+
+    fn factored(&self, weight: f64, budget: &Budget) -> Result<Option<Factor>, Stopped> {
         let half = (WIDTH - 1) * (self.n_fast + 1);
         let mut matrix = Banded::zeros(self.n, half);
         for (i, (squares, energy)) in self.squares.iter().zip(&self.energy).enumerate() {
@@ -115,7 +143,7 @@ impl System {
                 }
             }
         }
-        Ok(matrix.factored(budget)?.map(|factor| self.solution(&factor, weight)))
+        matrix.factored(budget)
     }
 
     fn solution(&self, factor: &Factor, weight: f64) -> Solution {
@@ -192,7 +220,12 @@ fn row(sample: &Sample, net: Net, is_turned: bool, n_fast: usize, share: f64) ->
         (cell, basis((t - cell as f64).clamp(0.0, 1.0)))
     };
     let (slow, fast) = if is_turned { (along(1), along(0)) } else { (along(0), along(1)) };
-    Row { first: slow.0 * n_fast + fast.0, along: [slow.1, fast.1], height: sample.height, share: sample.weight * share }
+    Row {
+        first: slow.0 * n_fast + fast.0,
+        along: [slow.1, fast.1],
+        height: sample.height,
+        share: sample.weight * share,
+    }
 }
 
 fn products([slow, fast]: &[[f64; WIDTH]; 2]) -> [f64; 16] {

@@ -81,8 +81,7 @@ fn tiny_parts_and_distant_places_are_fitted() {
     // A narrow strip.
     let strip: Vec<Point3<f64>> =
         scattered(600, wave).iter().map(|p| Point3::new(p.x, 0.01 * p.y, p.z)).collect();
-    let strip: Vec<Point3<f64>> =
-        strip.iter().map(|p| Point3::new(p.x, p.y, (p.x / 10.0).sin())).collect();
+    let strip: Vec<Point3<f64>> = strip.iter().map(|p| Point3::new(p.x, p.y, (p.x / 10.0).sin())).collect();
     assert!(fitted(&strip, Error::Max(0.001)).max_mm <= 0.001);
 }
 

@@ -23,12 +23,16 @@
 //!
 //! # Degenerate input
 //! Three points that are not on a line give their plane. Points on a line or at one place are refused.
-//! Fewer than eleven points are not searched for outliers.
+//! Fewer than eleven points are not searched for outliers. An outlier is found where its neighbours tell the
+//! surface better than the outlier is off: not between few points on a rough part, and of several outliers
+//! side by side up to about four, or two at a corner. An isolated corner beyond all other points is not
+//! judged.
 //!
 //! # Cost
 //! For n points and N control points, on a net of about equally many rows and columns: O(n) for outliers,
 //! O(n + N^2) for each weight (a banded factorization), about ten weights. N is at most
-//! [`search::MOST_CONTROL_POINTS`], and follows from the surface and the bound, not from n.
+//! [`search::MOST_CONTROL_POINTS`], and follows from the surface and the bound, not from n. On one core of a
+//! small machine, 100,000 points with noise take 2 to 3 s, of which the search for outliers takes 2 s.
 //!
 //! # Reference
 //! P. Dierckx, "Curve and Surface Fitting with Splines", 1993, chapters 5 and 9 (smoothing with a bound for

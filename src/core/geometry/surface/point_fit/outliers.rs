@@ -30,8 +30,8 @@ const QUARTER: f64 = 0.318_6;
 /// The most rounds: each finds what an outlier beside hid.
 const MOST_ROUNDS: usize = 8;
 
-/// The largest leverage of the neighbours on one side, and the fewest of these beyond the coefficients. Other
-/// predictions say little, and excuse no point.
+/// The largest leverage: a prediction far beyond its neighbours, as at an isolated corner, says little. The
+/// fewest neighbours on one side beyond the coefficients.
 const MOST_LEVERAGE: f64 = 2.0;
 const LEAST_FREEDOM: usize = 6;
 
@@ -157,7 +157,8 @@ impl Judge<'_> {
     /// How far off point `k` is, by the prediction that fits it best; `None` where it is no outlier.
     fn off(&self, k: usize) -> Option<Off> {
         let all = self.neighbours(k);
-        let whole = predicted(&all, Robustness::Full, self.noise).filter(|whole| self.is_off(whole))?;
+        let whole = predicted(&all, Robustness::Full, self.noise)
+            .filter(|whole| whole.leverage <= MOST_LEVERAGE && self.is_off(whole))?;
         let mut predictions = vec![whole];
         for first in 0..SECTORS {
             let is_side = |one: &&Neighbour| (one.near.sector + SECTORS - first) % SECTORS < SECTORS / 2;

@@ -20,7 +20,7 @@ const MOST_CONTROL_POINTS: usize = 2500;
 const WEIGHT: f64 = 1e-4;
 
 /// The least part of a height that the spline is taken to leave, against division by zero.
-const LEAST_FREE: f64 = 1e-6;
+const LEAST_FREE: f64 = 0.1;
 
 /// Rounds of least squares; later rounds change the weights little.
 const ROUNDS: usize = 6;

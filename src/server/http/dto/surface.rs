@@ -8,6 +8,7 @@ mod normal_sweep;
 pub mod nurbs;
 mod parallel_sweep;
 mod point_grid;
+mod points;
 mod ruled;
 mod section_text;
 
@@ -28,6 +29,7 @@ pub use normal_sweep::NormalSweep;
 pub use nurbs::Nurbs;
 pub use parallel_sweep::ParallelSweep;
 pub use point_grid::PointGrid;
+pub use points::Points;
 pub use ruled::Ruled;
 pub use section_text::{Room, SectionText};
 use toolpathd_core::geometry::surface::source::Source;
@@ -45,12 +47,20 @@ by_kind! {
         "normal_sweep" => NormalSweep(NormalSweep),
         "ruled" => Ruled(Ruled),
         "file" => File(SurfaceFile),
+        "points" => Points(Points),
     }
 }
 
 impl Surface {
-    /// Puts the surface that a file holds in the place of the reference to the file.
+    /// Puts the surface that a file holds in the place of the reference to the file, and the surface near
+    /// points in the place of the points.
     pub fn read_file(&mut self, at: &Pointer, reading: &mut FileReading) {
+        if let Self::Points(points) = self
+            && let Some(nurbs) = points.fitted(at, reading)
+        {
+            *self = Self::Nurbs(nurbs);
+            return;
+        }
         if let Self::File(file) = self
             && let Some(surface) = file.surface(at, reading)
         {
@@ -77,6 +87,7 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.check(at, limits, violations),
             Self::NormalSweep(sweep) => sweep.check(at, limits, violations),
             Self::Ruled(ruled) => ruled.check(at, limits, violations),
+            Self::Points(points) => points.check(at, limits, violations),
             Self::File(_) => {
                 violations.add(at, FieldCode::Unsupported, "no file is read here: send the surface itself");
             }
@@ -94,6 +105,7 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.bounds(),
             Self::NormalSweep(sweep) => sweep.bounds(),
             Self::Ruled(ruled) => ruled.bounds(),
+            Self::Points(points) => bounds(points.points()),
             Self::File(_) => bounds(std::iter::empty()),
         }
     }
@@ -118,8 +130,8 @@ impl From<Surface> for Source {
             Surface::ParallelSweep(sweep) => Self::ParallelSweep(sweep.into()),
             Surface::NormalSweep(sweep) => Self::NormalSweep(sweep.into()),
             Surface::Ruled(ruled) => Self::Ruled(ruled.into()),
-            // Checks refuse a file that was not read.
-            Surface::File(_) => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
+            // Checks refuse a file that was not read, and points near which no surface was found.
+            Surface::File(_) | Surface::Points(_) => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
         }
     }
 }

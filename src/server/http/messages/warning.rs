@@ -139,6 +139,12 @@ pub enum WarningCode {
     OpenCurves,
     /// Points in any order are put into rows.
     PointsGridded,
+    /// The surface runs near points, with the stated errors.
+    PointsFitted,
+    /// Points off the surface of their neighbours, or with numbers that stand for missing values, are left out.
+    OutliersLeftOut,
+    /// Parts of the surface have no points near.
+    SurfaceExtrapolated,
     /// Whether centres are incremental or absolute was found from the arcs.
     CentersAssumed,
     /// A setting of the control decides what a word means, and one of its values is taken.

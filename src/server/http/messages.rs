@@ -27,7 +27,7 @@ use super::pointer::Pointer;
 pub use computing::too_slow;
 pub use files::{left_out, no_grid};
 pub use five_axis::{path_text, positions_of_control, words_left_alone, words_left_alone_in};
-pub use point_fits::{add_point_fit_error, fitted_points, missing_point};
+pub use point_fits::{fitted_points, missing_point, point_fit_faults};
 pub use points::point_fault;
 pub use reading::not_read;
 pub use tools::too_short;

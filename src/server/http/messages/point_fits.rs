@@ -1,8 +1,7 @@
 //! What a caller reads of surfaces that are fitted to points.
 
 use super::WarningCode;
-use crate::http::decode::check::Violations;
-use crate::http::error::FieldCode;
+use crate::http::error::{FieldCode, FieldError};
 use crate::http::pointer::Pointer;
 use toolpathd_core::geometry::point_judge::Fault;
 use toolpathd_core::geometry::surface::point_fit::{Extrapolated, Fitted, Outlier, PointFitError};
@@ -54,48 +53,46 @@ pub fn missing_point(fault: &Fault) -> String {
     )
 }
 
-/// Adds the violations of points that give no surface. `at` is the place of the surface, `sent` holds the places
-/// of the points in the request.
-pub fn add_point_fit_error(at: &Pointer, error: &PointFitError, sent: &[usize], violations: &mut Violations) {
+/// What is wrong with points that give no surface. `at` is the place of the surface, and `sent` holds the
+/// places of the points in the request.
+pub fn point_fit_faults(at: &Pointer, error: &PointFitError, sent: &[usize]) -> Vec<FieldError> {
     let points = at.field("points");
     let fact = error.to_string();
-    match error {
+    let (at, code, detail) = match error {
         PointFitError::Outliers { outliers } => {
-            for Outlier { index, off_mm, .. } in outliers {
-                let detail = format!(
-                    "the point is {off_mm:.4} mm off the surface of its neighbours: measure it again, leave it out, or send `outliers: leave_out`; with `outliers: accept` it counts as all others"
-                );
-                violations.add(&points.index(sent[*index]), FieldCode::Outlier, detail);
-            }
+            return outliers.iter().map(|outlier| refused(&points, outlier, sent)).collect();
         }
+        // The caller ends the request.
+        PointFitError::Stopped(_) => return Vec::new(),
         PointFitError::TooManyOutliers { first, .. } => {
-            let detail = format!(
-                "{fact}; allow a larger error in `fit`, or send `outliers: accept` if they are right"
-            );
-            violations.add(&points.index(sent[first.index]), FieldCode::Outlier, detail);
+            let advice = "allow a larger error in `fit`, or send `outliers: accept` if they are right";
+            (points.index(sent[first.index]), FieldCode::Outlier, format!("{fact}; {advice}"))
         }
         PointFitError::Stacked { pair: [low, high], rise_mm } => {
             let detail = format!(
                 "the point is above point {}, by {rise_mm:.4} mm; a fitted surface has one height over each place: send the points of one side of the part",
                 sent[*low]
             );
-            violations.add(&points.index(sent[*high]), FieldCode::Conflict, detail);
-        }
-        PointFitError::NotFinite { index } => {
-            violations.add(&points.index(sent[*index]), FieldCode::TooLarge, fact);
-        }
-        PointFitError::TooFew { .. } => violations.add(&points, FieldCode::TooFewPoints, fact),
-        PointFitError::OnALine { .. } | PointFitError::MostlyExtrapolated { .. } => {
-            violations.add(&points, FieldCode::Unsupported, fact);
+            (points.index(sent[*high]), FieldCode::Conflict, detail)
         }
         PointFitError::TooFar { .. } => {
-            let detail =
-                format!("{fact}; allow a larger error, or send points without steps and sharp edges");
-            violations.add(&at.field("fit"), FieldCode::OutOfRange, detail);
+            let advice = "allow a larger error, or send points without steps and sharp edges";
+            (at.field("fit"), FieldCode::OutOfRange, format!("{fact}; {advice}"))
         }
-        PointFitError::Bound => violations.add(&at.field("fit"), FieldCode::OutOfRange, fact),
-        PointFitError::Nurbs(_) => violations.add(&points, FieldCode::LimitExceeded, fact),
-        // The caller ends the request.
-        PointFitError::Stopped(_) => {}
-    }
+        PointFitError::NotFinite { index } => (points.index(sent[*index]), FieldCode::TooLarge, fact),
+        PointFitError::TooFew { .. } => (points, FieldCode::TooFewPoints, fact),
+        PointFitError::OnALine { .. } | PointFitError::MostlyExtrapolated { .. } => {
+            (points, FieldCode::Unsupported, fact)
+        }
+        PointFitError::Bound => (at.field("fit"), FieldCode::OutOfRange, fact),
+        PointFitError::Nurbs(_) => (points, FieldCode::LimitExceeded, fact),
+    };
+    vec![FieldError::new(&at, code, detail)]
+}
+
+fn refused(points: &Pointer, Outlier { index, off_mm, .. }: &Outlier, sent: &[usize]) -> FieldError {
+    let detail = format!(
+        "the point is {off_mm:.4} mm off the surface of its neighbours: measure it again, leave it out, or send `outliers: leave_out`; with `outliers: accept` it counts as all others"
+    );
+    FieldError::new(&points.index(sent[*index]), FieldCode::Outlier, detail)
 }

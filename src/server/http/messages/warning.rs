@@ -141,7 +141,7 @@ pub enum WarningCode {
     PointsGridded,
     /// The surface runs near points, with the stated errors.
     PointsFitted,
-    /// Points off the surface of their neighbours, or with numbers that stand for missing values, are left out.
+    /// Points off the surface of their neighbours, or without a value, are left out.
     OutliersLeftOut,
     /// Parts of the surface have no points near.
     SurfaceExtrapolated,

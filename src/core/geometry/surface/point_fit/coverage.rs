@@ -15,7 +15,7 @@ const PLACES: f64 = 100.0;
 pub struct Extrapolated {
     /// The part of the rectangle's area, from 0 to 1.
     pub share: f64,
-    /// The place that is farthest from all points, as x and y in mm, and its distance to the nearest point, mm.
+    /// The place that is farthest from all points, x and y, and its distance to the nearest point; mm.
     pub at: [f64; 2],
     pub distance_mm: f64,
 }

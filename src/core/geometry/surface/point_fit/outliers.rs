@@ -65,8 +65,8 @@ pub struct Off {
     pub off: f64,
 }
 
-/// The outliers among samples at the places of `cells`, by their index. Errors up to `allowed` (mm) make none.
-/// The longer of `lengths` is 1.
+/// The outliers among samples at the places of `cells`, by their index. Errors up to `allowed` (mm) make
+/// none. The longer of `lengths` is 1.
 ///
 /// # Errors
 /// Only the budget's stop.

@@ -2,8 +2,8 @@
 //!
 //! # Method
 //! The control points c minimize (1/n) (B c - z)^T W (B c - z) + weight c^T R c, where B holds the basis
-//! functions at the n points, W their weights, and R is the energy of a thin plate. The normal equations are solved by Cholesky's method in a
-//! band, and once more for what rounding left.
+//! functions at the n points, W their weights, and R is the energy of a thin plate. The normal equations are
+//! solved by Cholesky's method in a band, and again for what rounding left.
 
 use super::banded::{Banded, Factor};
 use super::net::{CellMatrix, Net, WIDTH, basis, roughness};

@@ -127,13 +127,15 @@ impl Points {
                 None
             }
             Err(error) => {
-                messages::add_point_fit_error(at, &error, &kept, &mut reading.violations);
+                for fault in messages::point_fit_faults(at, &error, &kept) {
+                    reading.violations.add_made(|| fault);
+                }
                 None
             }
         }
     }
 
-    /// The places of the points whose numbers are values; `None` with violations where the others are refused.
+    /// The places of the points whose numbers are values; `None` with violations where others are refused.
     fn kept(&self, at: &Pointer, reading: &mut FileReading) -> Option<Vec<usize>> {
         let all: Vec<usize> = (0..self.points.len()).collect();
         if self.outliers == FitOutliers::Accept {

@@ -158,7 +158,7 @@ fn the_number_of_threads_does_not_change_the_surface() {
 
 #[test]
 fn a_turned_grid_makes_a_surface_along_its_rows() {
-    let points = grid([30, 20], 0.5, |x, y| wave(x, y));
+    let points = grid([30, 20], 0.5, wave);
     let fitted = fitted(&points, Error::Max(1e-3));
     assert_eq!(fitted.extrapolated, None);
     let control = &fitted.nurbs.control_points;

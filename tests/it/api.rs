@@ -12,6 +12,7 @@ mod doubts;
 mod drops;
 mod events;
 mod examples;
+mod fitted_points;
 mod five_axis;
 mod golden;
 mod languages;

@@ -15,6 +15,7 @@ pub mod nurbs;
 pub mod offset;
 pub mod parallel_sweep;
 pub mod patch;
+pub mod point_fit;
 pub mod point_grid;
 pub mod ruled;
 pub mod source;

@@ -8,6 +8,7 @@ mod normal_sweep;
 pub mod nurbs;
 mod parallel_sweep;
 mod point_grid;
+mod points;
 mod ruled;
 mod section_text;
 
@@ -31,6 +32,7 @@ pub use normal_sweep::NormalSweep;
 pub use nurbs::Nurbs;
 pub use parallel_sweep::ParallelSweep;
 pub use point_grid::PointGrid;
+pub use points::Points;
 pub use ruled::Ruled;
 pub use section_text::{Room, SectionText};
 use toolpathd_core::geometry::surface::source::Source;
@@ -48,12 +50,20 @@ by_kind! {
         "normal_sweep" => NormalSweep(NormalSweep),
         "ruled" => Ruled(Ruled),
         "file" => File(SurfaceFile),
+        "points" => Points(Points),
     }
 }
 
 impl Surface {
-    /// Puts the surface that a file holds in the place of the reference to the file.
+    /// Puts the surface that a file holds in the place of the reference to the file, and the surface near
+    /// points in the place of the points.
     pub fn read_file(&mut self, at: &Pointer, reading: &mut FileReading) {
+        if let Self::Points(points) = self {
+            if let Some(nurbs) = points.fitted(at, reading) {
+                *self = Self::Nurbs(nurbs);
+            }
+            return;
+        }
         let Self::File(file) = self else { return };
         match file.found(at, reading) {
             Some(Found::Surface(surface)) => {
@@ -103,6 +113,7 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.check(at, limits, violations),
             Self::NormalSweep(sweep) => sweep.check(at, limits, violations),
             Self::Ruled(ruled) => ruled.check(at, limits, violations),
+            Self::Points(points) => points.check(at, limits, violations),
             Self::File(file) if file.mesh().is_some() => {}
             Self::File(_) => {
                 violations.add(at, FieldCode::Unsupported, "no file is read here: send the surface itself");
@@ -121,6 +132,7 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.bounds(),
             Self::NormalSweep(sweep) => sweep.bounds(),
             Self::Ruled(ruled) => ruled.bounds(),
+            Self::Points(points) => bounds(points.points()),
             Self::File(file) => file.bounds().unwrap_or_else(|| bounds(std::iter::empty())),
         }
     }
@@ -150,6 +162,8 @@ impl From<Surface> for Source {
                 // Checks refuse a file that was not read.
                 None => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
             },
+            // Checks refuse points near which no surface was found.
+            Surface::Points(_) => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
         }
     }
 }

@@ -33,7 +33,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
     "programs-write": ["contour", "holes", "inch-fanuc", "leaning", "one-line", "parabolas", "three-operations"],
     "programs-verify": ["clamp", "faults", "pocket"],
     "surfaces-drop": ["bowl", "bull-nose"],
-    "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "job-order", "measured", "one-pass", "wire-union"],
+    "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "job-order", "measured", "one-pass", "scanned", "wire-union"],
     "surfaces-model": ["cylinder", "ferguson", "normal-sweep", "parallel-sweep", "ruled", "sloping-plane"],
 });
 

@@ -16,6 +16,7 @@ mod fitted_points;
 mod five_axis;
 mod golden;
 mod languages;
+mod mesh_surfaces;
 mod models;
 mod mtconnect;
 mod negotiation;

@@ -10,6 +10,8 @@ use crate::http::error::FieldCode;
 use crate::http::messages::WarningCode;
 use toolpathd_core::geometry::triangle_mesh::{MeshError, TriangleMesh};
 use toolpathd_part::mesh::{self, MeshFile, MeshFormat};
+use toolpathd_part::step::Model;
+use toolpathd_part::step::tessellation::{self, FaceTriangles, Untessellated};
 
 /// The mesh of a file of triangles; `None` with a violation where there is none.
 pub fn of_file(
@@ -25,6 +27,35 @@ pub fn of_file(
     // Slivers have no area, but they join the triangles around them.
     triangles.extend(slivers);
     of_triangles(file, vertices, triangles, mm, 0.0, reading)
+}
+
+/// Triangles within `within_mm` of faces of a model, with `mm` millimetres in each of its units of length.
+pub fn of_faces(
+    file: &Reference,
+    (model, faces): (&Model, &[usize]),
+    mm: f64,
+    within_mm: f64,
+    reading: &mut FileReading,
+) -> Option<Arc<TriangleMesh>> {
+    let most = reading.limits.mesh_triangles;
+    match tessellation::triangles(model, faces, within_mm / mm, most, reading.budget) {
+        Ok(FaceTriangles { vertices, triangles, chord_mm, .. }) => {
+            of_triangles(file, vertices, triangles, mm, chord_mm * mm, reading)
+        }
+        Err(Untessellated::Stopped(stopped)) => {
+            reading.stop(stopped);
+            None
+        }
+        Err(fault @ Untessellated::TooMany { .. }) => {
+            let detail = format!("{fault}: send a larger `triangles_within_mm` or fewer `faces`");
+            file.blame(FieldCode::LimitExceeded, &detail, reading);
+            None
+        }
+        Err(fault) => {
+            file.blame(FieldCode::Unsupported, &fault.to_string(), reading);
+            None
+        }
+    }
 }
 
 /// The mesh of triangles whose corners are in a unit of `mm` mm. They stand for a surface that is within

@@ -22,6 +22,7 @@ mod operation;
 mod outlines;
 mod page;
 mod parts;
+mod parts_meshes;
 mod points;
 mod programs;
 mod reading;

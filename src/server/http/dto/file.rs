@@ -13,6 +13,7 @@ use toolpathd_part::dxf::DxfOptions;
 use toolpathd_part::fault::Unreadable;
 use toolpathd_part::format::Format;
 use toolpathd_part::left_out::LeftOut;
+use toolpathd_part::mesh::MeshFormat;
 use toolpathd_part::step::Model;
 use toolpathd_part::unit::Unit;
 
@@ -167,6 +168,10 @@ pub fn format_name(format: Format) -> &'static str {
         Format::Dxf => "DXF",
         Format::Points => "a text of points",
         Format::Step => "STEP",
+        Format::Mesh(MeshFormat::Stl) => "STL",
+        Format::Mesh(MeshFormat::Obj) => "OBJ",
+        Format::Mesh(MeshFormat::Ply) => "PLY",
+        Format::Mesh(MeshFormat::ThreeMf) => "3MF",
         Format::Other(name) => name,
     }
 }

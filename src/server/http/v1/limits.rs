@@ -24,6 +24,8 @@ pub struct ServerLimits {
     body_bytes: usize,
     /// Largest number of points of one surface.
     surface_points: usize,
+    /// Largest number of triangles of one mesh in a file.
+    mesh_triangles: usize,
     /// Largest number of points of one curve.
     curve_points: usize,
     /// Largest number of elements of one interpolated curve.
@@ -92,6 +94,7 @@ impl From<&App> for ServerLimits {
         let Limits {
             body_bytes,
             surface_points,
+            mesh_triangles,
             curve_points,
             elements,
             drop_points,
@@ -106,6 +109,7 @@ impl From<&App> for ServerLimits {
         Self {
             body_bytes,
             surface_points,
+            mesh_triangles,
             curve_points,
             elements,
             drop_points,

@@ -24,6 +24,7 @@ mod operation;
 mod outlines;
 mod page;
 mod parts;
+mod parts_meshes;
 mod parts_solids;
 mod points;
 mod programs;

@@ -26,6 +26,9 @@ use crate::fault::{Place, Unreadable};
 /// budget is checked between two searches; they take some 30 ms.
 const MOST_CORNERS: usize = 5000;
 
+/// Most corners of any face. A face takes some 60 bytes for each of its corners while it is cut.
+const MOST_CORNERS_OF_ANY: usize = 100_000;
+
 /// Adds the triangles of a face with these corners, by the numbers of vertices.
 pub fn add(corners: &[u32], place: Place, welding: &mut Welding, budget: &Budget) -> Result<(), Unreadable> {
     if let &[a, b, c] = corners {
@@ -34,6 +37,10 @@ pub fn add(corners: &[u32], place: Place, welding: &mut Welding, budget: &Budget
     if corners.len() < 3 {
         welding.left_out.add("face", "it has fewer than three corners", place);
         return Ok(());
+    }
+    if corners.len() > MOST_CORNERS_OF_ANY {
+        let detail = format!("a face has {} corners; at most {MOST_CORNERS_OF_ANY} are read", corners.len());
+        return Err(Unreadable::at(place, detail));
     }
     let mut corners = corners.to_vec();
     corners.dedup();

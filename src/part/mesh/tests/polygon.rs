@@ -162,6 +162,9 @@ fn a_large_face_is_read_if_it_is_convex() {
     assert_eq!(read_face(&circle(6000, 1.0)).triangles.len(), 5998);
     let found = fault(MeshFormat::Obj, face(&circle(6000, 0.5)).as_bytes());
     assert_eq!(found, "line 6001: a face that is not convex has 6000 corners; at most 5000 are read");
+    let many = "v 0 0 0\nf".to_owned() + &" 1".repeat(100_001);
+    let found = fault(MeshFormat::Obj, many.as_bytes());
+    assert_eq!(found, "line 2: a face has 100001 corners; at most 100000 are read");
 }
 
 proptest! {

@@ -108,6 +108,11 @@ fn prefixes_of_the_core_specification_are_read() {
         prefixed = prefixed.replace(&format!("<{name}>"), &format!("<c:{name}>"));
     }
     assert_eq!(read_model(&prefixed), read_model(&plain));
+    // Both ways in one file.
+    let core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
+    let both = plain.replace("<model ", &format!("<model xmlns:c=\"{core}\" "));
+    let both = both.replace("<build>", "<c:build>").replace("</build>", "</c:build>");
+    assert_eq!(read_model(&both), read_model(&plain));
 }
 
 #[test]

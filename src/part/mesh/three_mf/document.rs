@@ -1,6 +1,6 @@
 //! All models of a 3MF file that its build needs.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use toolpathd_core::budget::Budget;
 
@@ -23,7 +23,7 @@ pub struct Models {
     pub unit: Unit,
     /// The name of the part with the build.
     pub main: String,
-    pub models: HashMap<String, Model>,
+    pub models: BTreeMap<String, Model>,
 }
 
 impl Models {
@@ -46,7 +46,7 @@ pub fn read(
     budget: &Budget,
 ) -> Result<Models, Unreadable> {
     let main = normal(&name_of_model(archive, budget)?);
-    let mut models = HashMap::new();
+    let mut models = BTreeMap::new();
     let mut unit = Unit::Millimetre;
     let mut wanted = vec![main.clone()];
     let mut n_left = most_triangles;
@@ -105,7 +105,7 @@ fn name_of_model(archive: &mut Archive, budget: &Budget) -> Result<String, Unrea
 }
 
 /// Counts the parts that are not read, apart from those that only tell what the others are.
-fn leave_out_parts(archive: &Archive, models: &HashMap<String, Model>, left_out: &mut LeftOuts) {
+fn leave_out_parts(archive: &Archive, models: &BTreeMap<String, Model>, left_out: &mut LeftOuts) {
     let is_read = |name: &String| {
         models.contains_key(name)
             || name.ends_with(".rels")

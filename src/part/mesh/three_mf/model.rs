@@ -1,6 +1,6 @@
 //! A model of a 3MF file: its objects, and what is built of them.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use toolpathd_core::budget::Budget;
 
@@ -28,7 +28,7 @@ const MOST_NAMES: usize = 50;
 /// A model.
 pub struct Model {
     pub unit: Unit,
-    pub objects: HashMap<u32, Object>,
+    pub objects: BTreeMap<u32, Object>,
     pub build: Vec<Component>,
 }
 
@@ -78,7 +78,7 @@ pub fn read(
         Some("foot") => Unit::Foot,
         Some(other) => return Err(tags.fault(&format!("\"{other}\" is no unit of 3MF"))),
     };
-    let model = Model { unit, objects: HashMap::new(), build: Vec::new() };
+    let model = Model { unit, objects: BTreeMap::new(), build: Vec::new() };
     let mut reading =
         ModelReading { names, model, n_left: most_triangles, left_out, listed: Vec::new(), budget };
     tags.children(|tags, start| match reading.names.core(&start) {
@@ -101,15 +101,15 @@ pub fn read(
 
 /// The prefixes of the namespaces, as the root of a model gives them.
 struct Names {
-    core: Option<String>,
-    production: Option<String>,
+    core: Vec<String>,
+    production: Vec<String>,
 }
 
 impl Names {
     /// # Errors
     /// When the model requires an extension that is not read.
     fn of(root: &Start, tags: &Tags) -> Result<Self, Unreadable> {
-        let mut prefixes = HashMap::new();
+        let mut prefixes = BTreeMap::new();
         let mut required = String::new();
         for attribute in root.attributes() {
             match attribute.map_err(|fault| tags.fault(&fault))? {
@@ -127,14 +127,17 @@ impl Names {
                 );
             }
         }
-        let of = |name| prefixes.iter().find(|(_, value)| *value == name).map(|(prefix, _)| prefix.clone());
+        let of = |name| {
+            let own = prefixes.iter().filter(|(_, value)| *value == name);
+            own.map(|(prefix, _)| prefix.clone()).collect()
+        };
         Ok(Self { core: of(CORE), production: of(PRODUCTION) })
     }
 
     /// The name of an element of the core specification; `None` for other elements.
     fn core<'s>(&self, start: &'s Start) -> Option<&'s str> {
         let (prefix, name) = start.name();
-        (self.core.as_deref() == Some(prefix)).then_some(name)
+        self.core.iter().any(|own| own == prefix).then_some(name)
     }
 
     /// A component of an object, or an item of the build.
@@ -142,10 +145,10 @@ impl Names {
         let object = attribute(start, "", "objectid", tags)?;
         let object = object.and_then(|id| id.trim().parse().ok());
         let object = object.ok_or_else(|| tags.fault("it names no object"))?;
-        let path = match &self.production {
-            Some(prefix) => attribute(start, prefix, "path", tags)?,
-            None => None,
-        };
+        let mut path = None;
+        for prefix in self.production.iter().filter(|prefix| !prefix.is_empty()) {
+            path = path.or(attribute(start, prefix, "path", tags)?);
+        }
         let rows = match attribute(start, "", "transform", tags)? {
             Some(text) => {
                 rows(&text).ok_or_else(|| tags.fault("a place has twelve numbers, and makes nothing flat"))?

@@ -1,5 +1,7 @@
 //! The request to inspect a file, and the report of what is in it.
 
+mod format;
+mod mesh;
 mod model;
 
 use axum::body::Bytes;
@@ -15,6 +17,8 @@ use crate::http::decode::files::FileReading;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
+pub use format::FileFormat;
+pub use mesh::MeshReport;
 pub use model::ModelContents;
 use toolpathd_part::drawing::{Branch, Drawing, Loop, OpenChain};
 use toolpathd_part::fault::Place;
@@ -138,20 +142,14 @@ pub struct InspectReport {
     /// The solids and sheets. Present with `step`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<ModelContents>,
+    /// The triangles. Present with `stl`, `obj`, `ply` and `3mf`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<MeshReport>,
     /// The points. Present with `points`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<PointsReport>,
     /// What was left out of the file, and why; an empty list where nothing was.
     pub left_out: Vec<LeftOutReport>,
-}
-
-/// A format of files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum FileFormat {
-    Dxf,
-    Points,
-    Step,
 }
 
 /// A box along the axes, in mm.

@@ -7,6 +7,7 @@ mod features;
 mod lexer;
 mod shapes;
 mod splines;
+mod tessellated_curves;
 mod tessellation;
 mod triangles;
 mod writer;

@@ -291,7 +291,7 @@ fn wish(work: &Work, edges: &Edges, chord_mm: f64, budget: &Budget) -> Result<Wi
         Err(Unfilled::Crossed(sides)) => {
             for [i, k] in sides {
                 match polygons.loops[i][k].side {
-                    Side::Edge { edge, t } => {
+                    Side::Edge { edge, t, .. } => {
                         let used = work.trimmed.uses[edge];
                         let middle = edges.records[used.record].turned((t[0] + t[1]) / 2.0, used.is_turned);
                         wish.divisions.push((used.record, middle));

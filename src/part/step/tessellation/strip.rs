@@ -60,7 +60,7 @@ pub fn strips(face: &TrimmedFace, polygons: &Polygons, all: &Edges, chord_mm: f6
         for (k, corner) in corners.iter().enumerate() {
             let next = &corners[(k + 1) % corners.len()];
             strips.gap_mm = strips.gap_mm.max(gap(face, polygons, all, corner));
-            let Side::Edge { edge, t } = corner.side else { continue };
+            let Side::Edge { edge, t, .. } = corner.side else { continue };
             let Some(samples) = pieces[edge].iter().find(|samples| covers(samples, t)) else { continue };
             strips.look_at(face, &sampler, all, samples, [corner, next], chord_mm);
         }
@@ -78,7 +78,7 @@ impl Strips {
         [corner, next]: [&Corner; 2],
         chord_mm: f64,
     ) {
-        let Side::Edge { edge, t } = corner.side else { return };
+        let Side::Edge { edge, t, .. } = corner.side else { return };
         let surface = face.bounds.surface;
         let one = &face.edges[edge];
         let used = face.uses[edge];

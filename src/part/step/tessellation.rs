@@ -88,6 +88,8 @@ pub enum Untessellated {
     TooMany { most: usize },
     #[error("the chord is {chord_mm} mm; it must be above 0")]
     BadChord { chord_mm: f64 },
+    #[error("there is no face {face}")]
+    NoFace { face: usize },
     #[error("face {face} (#{entity}) cannot be triangulated: {reason}")]
     Face {
         /// The place of the face in [`Model::faces`].
@@ -124,7 +126,8 @@ struct Wish {
 /// apart from the distance of edges from surfaces.
 ///
 /// # Errors
-/// A face cannot be triangulated, there are more than `most_triangles`, or the budget has ended.
+/// A face is missing or cannot be triangulated, there are more than `most_triangles`, or the budget has
+/// ended.
 pub fn triangles(
     model: &Model,
     faces: &[usize],
@@ -136,7 +139,8 @@ pub fn triangles(
         return Err(Untessellated::BadChord { chord_mm });
     }
     let most = most_triangles.min(u32::MAX as usize / 4);
-    let chosen: Vec<&Face> = faces.iter().map(|place| &model.faces[*place]).collect();
+    let found = |place: &usize| model.faces.get(*place).ok_or(Untessellated::NoFace { face: *place });
+    let chosen: Vec<&Face> = faces.iter().map(found).collect::<Result<_, _>>()?;
     let (mut edges, uses) = Edges::of(&chosen);
     budget.check()?;
     let mut works = trimmed(faces, &chosen, &uses, budget)?;

@@ -356,6 +356,7 @@ fn what_cannot_be_made_is_an_error() {
     assert_eq!(of(1e-300, MOST, &budget), Err(Untessellated::TooMany { most: MOST }));
     assert_eq!(of(0.0, MOST, &budget), Err(Untessellated::BadChord { chord_mm: 0.0 }));
     assert!(matches!(of(f64::NAN, MOST, &budget), Err(Untessellated::BadChord { .. })));
+    assert_eq!(triangles(&model, &[3], 0.1, MOST, &budget), Err(Untessellated::NoFace { face: 3 }));
     budget.cancel();
     assert_eq!(of(0.1, MOST, &budget), Err(Untessellated::Stopped(Stopped::Cancelled)));
 }

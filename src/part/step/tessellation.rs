@@ -17,8 +17,9 @@
 //! * The same faces give the same triangles.
 //!
 //! # Known limitations
-//! * The distance of edges from surfaces is measured at places, and so is how far the parameters of an edge
-//!   are beside the line between two corners, of which twice the measured one counts.
+//! * The distance of edges from surfaces is measured at places. So is, at the poles of surfaces, for sides
+//!   shorter than the chord, and for edges far off a surface that bends sharply, how far the parameters of an
+//!   edge are beside the line between two corners: twice the measured distance counts.
 //! * Faces that meet along different edges of the file are not joined.
 //!
 //! # Reference
@@ -38,6 +39,9 @@ mod strip;
 mod surface_bounds;
 mod trimmed_face;
 mod unfilled;
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Point3;
 use toolpathd_core::budget::{Budget, Stopped};
@@ -84,6 +88,8 @@ pub enum Untessellated {
     TooMany { most: usize },
     #[error("the chord is {chord_mm} mm; it must be above 0")]
     BadChord { chord_mm: f64 },
+    #[error("there is no face {face}")]
+    NoFace { face: usize },
     #[error("face {face} (#{entity}) cannot be triangulated: {reason}")]
     Face {
         /// The place of the face in [`Model::faces`].
@@ -120,7 +126,8 @@ struct Wish {
 /// apart from the distance of edges from surfaces.
 ///
 /// # Errors
-/// A face cannot be triangulated, there are more than `most_triangles`, or the budget has ended.
+/// A face is missing or cannot be triangulated, there are more than `most_triangles`, or the budget has
+/// ended.
 pub fn triangles(
     model: &Model,
     faces: &[usize],
@@ -132,17 +139,24 @@ pub fn triangles(
         return Err(Untessellated::BadChord { chord_mm });
     }
     let most = most_triangles.min(u32::MAX as usize / 4);
-    let chosen: Vec<&Face> = faces.iter().map(|place| &model.faces[*place]).collect();
+    let found = |place: &usize| model.faces.get(*place).ok_or(Untessellated::NoFace { face: *place });
+    let chosen: Vec<&Face> = faces.iter().map(found).collect::<Result<_, _>>()?;
     let (mut edges, uses) = Edges::of(&chosen);
     budget.check()?;
     let mut works = trimmed(faces, &chosen, &uses, budget)?;
     divide(&mut edges, &works, chord_mm, most, budget)?;
     settle(&mut edges, &mut works, chord_mm, most, budget)?;
+    let n_made = AtomicUsize::new(0);
     let fillings = budget.in_order(works.len(), |k| {
         budget.progress("triangles", k, works.len());
-        filled(&works[k], &edges, chord_mm, most, budget)
+        let filling = filled(&works[k], &edges, chord_mm, most, budget)?;
+        let before = n_made.fetch_add(filling.triangles.len(), Ordering::Relaxed);
+        if before + filling.triangles.len() > most {
+            return Err(Untessellated::TooMany { most: most_triangles });
+        }
+        Ok(filling)
     })?;
-    collect(&edges, &works, fillings, most_triangles)
+    Ok(collect(&edges, &works, fillings))
 }
 
 /// The faces with their trims.
@@ -163,7 +177,7 @@ fn trimmed<'a>(
                 Untrimmed::Stopped(stopped) => stopped.into(),
             })?;
         let uses = directed(face, uses[k].clone());
-        let trimmed = TrimmedFace { bounds: SurfaceBounds::new(&face.surface), trim, edges, uses };
+        let trimmed = TrimmedFace { bounds: SurfaceBounds::new(&face.surface, budget)?, trim, edges, uses };
         Ok(Work { place, face, trimmed, halvings: 0, is_open: true, width_mm: 0.0, gap_mm: 0.0 })
     })
 }
@@ -222,15 +236,19 @@ fn settle(
             return Ok(());
         }
         let wishes = budget.in_order(open.len(), |k| wish(&works[open[k]], edges, chord_mm, budget))?;
-        let mut changed = vec![false; edges.records.len()];
+        let mut divisions: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         for (k, wish) in open.into_iter().zip(wishes) {
             let work = &mut works[k];
             (work.width_mm, work.gap_mm) = (wish.width_mm, wish.gap_mm);
             work.is_open = wish.halvings > 0;
             work.halvings += wish.halvings;
             for (record, t) in wish.divisions {
-                changed[record] |= edges.divide(record, &[t]);
+                divisions.entry(record).or_default().push(t);
             }
+        }
+        let mut changed = vec![false; edges.records.len()];
+        for (record, at) in divisions {
+            changed[record] = edges.divide(record, &at);
         }
         for work in works.iter_mut() {
             work.is_open |= work.trimmed.uses.iter().any(|at| changed[at.record]);
@@ -277,7 +295,7 @@ fn wish(work: &Work, edges: &Edges, chord_mm: f64, budget: &Budget) -> Result<Wi
         Err(Unfilled::Crossed(sides)) => {
             for [i, k] in sides {
                 match polygons.loops[i][k].side {
-                    Side::Edge { edge, t } => {
+                    Side::Edge { edge, t, .. } => {
                         let used = work.trimmed.uses[edge];
                         let middle = edges.records[used.record].turned((t[0] + t[1]) / 2.0, used.is_turned);
                         wish.divisions.push((used.record, middle));
@@ -314,16 +332,8 @@ fn filled(
 }
 
 /// The triangles of all faces with one numbering of their vertices.
-fn collect(
-    edges: &Edges,
-    works: &[Work],
-    fillings: Vec<Filling>,
-    most: usize,
-) -> Result<FaceTriangles, Untessellated> {
+fn collect(edges: &Edges, works: &[Work], fillings: Vec<Filling>) -> FaceTriangles {
     let n: usize = fillings.iter().map(|filling| filling.triangles.len()).sum();
-    if n > most {
-        return Err(Untessellated::TooMany { most });
-    }
     let coordinates = |point: &Point3<f64>| [point.x, point.y, point.z];
     let mut all = FaceTriangles {
         vertices: edges.vertices.iter().map(coordinates).collect(),
@@ -348,5 +358,5 @@ fn collect(
         all.chord_mm = all.chord_mm.max(of_face);
         all.edge_gap_max_mm = all.edge_gap_max_mm.max(work.gap_mm);
     }
-    Ok(all)
+    all
 }

@@ -8,6 +8,7 @@ mod lexer;
 mod outlines;
 mod shapes;
 mod splines;
+mod tessellated_curves;
 mod tessellation;
 mod triangles;
 mod writer;

@@ -22,7 +22,7 @@ use super::edges::Edges;
 use super::inside::Inside;
 use super::lattice::Lattice;
 use super::mesh::{Mesh, Spot, inside, pair};
-use super::polygons::{Node, Polygons};
+use super::polygons::{Node, Polygons, Side};
 use super::surface_bounds::{SurfaceBounds, rectangle};
 use super::unfilled::Unfilled;
 
@@ -121,6 +121,10 @@ impl<'a> Fill<'a> {
             most,
         };
         let handles = fill.add_corners(polygons, all, budget)?;
+        let flat = flat_sides(polygons, &handles);
+        if !flat.is_empty() {
+            return Err(Unfilled::Crossed(flat));
+        }
         fill.add_sides(&handles, budget)?;
         Ok(fill)
     }
@@ -359,4 +363,25 @@ impl<'a> Fill<'a> {
         filling.own = self.own;
         Ok(filling)
     }
+}
+
+/// Sides that are one line although they stand for different parts of edges, and sides without length.
+fn flat_sides(polygons: &Polygons, loops: &[Vec<FixedVertexHandle>]) -> Vec<[usize; 2]> {
+    let mut known: HashMap<[usize; 2], ([usize; 2], [usize; 2])> = HashMap::new();
+    let mut flat = Vec::new();
+    for (i, handles) in loops.iter().enumerate() {
+        for k in 0..handles.len() {
+            let Side::Edge { part, .. } = polygons.loops[i][k].side else { continue };
+            let key = pair([handles[k], handles[(k + 1) % handles.len()]]);
+            let (first, owner) = *known.entry(key).or_insert((part, [i, k]));
+            if first != part {
+                flat.extend([owner, [i, k]]);
+            } else if key[0] == key[1] {
+                flat.push([i, k]);
+            }
+        }
+    }
+    flat.sort_unstable();
+    flat.dedup();
+    flat
 }

@@ -43,8 +43,9 @@ pub struct Corner {
 /// What a side of a polygon is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Side {
-    /// Between two neighbouring parameters of an edge of the face, in the direction of the loop.
-    Edge { edge: usize, t: [f64; 2] },
+    /// Between two neighbouring parameters of an edge of the face, in the direction of the loop: a part of a
+    /// record, by the number of its lower place.
+    Edge { edge: usize, t: [f64; 2], part: [usize; 2] },
     /// A line of the parameters: a seam or a pole.
     Line,
 }
@@ -159,8 +160,8 @@ impl Builder<'_> {
                 }
             }
         }
-        if corners.len() < 3 {
-            return Err(Unbounded::Open("a bound has fewer than three sides"));
+        if corners.is_empty() {
+            return Err(Unbounded::Open("a bound has no sides"));
         }
         Ok(corners)
     }
@@ -203,7 +204,15 @@ impl Builder<'_> {
                 place(&self.sampler, &self.face.edges[edge], samples, t(k))
             };
             let node = Node::Shared(record.places[*number].vertex);
-            corners.push(Corner { at, node, side: Side::Edge { edge, t: [t(k), t(k + 1)] } });
+            corners.push(Corner {
+                at,
+                node,
+                side: Side::Edge {
+                    edge,
+                    t: [t(k), t(k + 1)],
+                    part: [used.record, (*number).min(numbers[k + 1])],
+                },
+            });
         }
         Ok(corners)
     }

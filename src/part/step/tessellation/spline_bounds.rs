@@ -6,6 +6,7 @@
 //! polynomial along the knot, which its control points bound.
 
 use nalgebra::Vector4;
+use toolpathd_core::budget::{Budget, Stopped};
 
 use super::bezier_bounds::{Net, along_u, numerator, seconds, transposed};
 use super::curve_bounds::parted;
@@ -32,7 +33,9 @@ pub struct SplineBounds {
 }
 
 impl SplineBounds {
-    pub fn new(spline: &SplineSurface) -> Self {
+    /// # Errors
+    /// The budget has ended.
+    pub fn new(spline: &SplineSurface, budget: &Budget) -> Result<Self, Stopped> {
         let breaks = [0, 1].map(|k| spline.breaks(k));
         let ends = [0, 1].map(|k| {
             let spans = breaks[k].len() - 1;
@@ -45,10 +48,17 @@ impl SplineBounds {
         let piece = |u: &[f64], v: &[f64]| {
             seconds(&net(spline, [[u[0], u[1]], [v[0], v[1]]]), [u[1] - u[0], v[1] - v[0]])
         };
-        let row = |u: &[f64]| ends[1].windows(2).map(|v| piece(u, v)).collect();
-        let seconds = ends[0].windows(2).map(row).collect();
+        let mut seconds = Vec::with_capacity(ends[0].len() - 1);
+        for u in ends[0].windows(2) {
+            let mut row = Vec::with_capacity(ends[1].len() - 1);
+            for v in ends[1].windows(2) {
+                budget.check()?;
+                row.push(piece(u, v));
+            }
+            seconds.push(row);
+        }
         let jumps = [0, 1].map(|along| jumps(spline, along, &breaks));
-        Self { ends, seconds, jumps, is_closed: spline.is_closed }
+        Ok(Self { ends, seconds, jumps, is_closed: spline.is_closed })
     }
 
     /// Bounds along uu, uv and vv over a rectangle.

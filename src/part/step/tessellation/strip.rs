@@ -5,7 +5,7 @@
 //! its ends, and the line of the surface below the chord. With the chord within `a` of the curve and within
 //! `b` of the surface, and the edge within `g` of the surface, the bound of the face and the bound of the
 //! triangles are within `a + b + 2 g`. Between them the surface leaves the straight line by its second-order
-//! part over the strip.
+//! part over the strip, whose width in the parameters follows from bounds of the derivatives.
 //!
 //! Circles and lines along one parameter of a round surface are that line of the surface: they have no strip.
 
@@ -27,6 +27,9 @@ const SHORTEST_SHARE: f64 = 1e-3;
 
 /// A parameter that changes by less, as a part of a radian or mm, is constant.
 const CONSTANT: f64 = 1e-9;
+
+/// A derivative below this part of the one beside it is that of a pole.
+const AT_POLE: f64 = 1e-6;
 
 /// Places between the ends of a side where its strip is measured.
 const PLACES: usize = 3;
@@ -57,7 +60,7 @@ pub fn strips(face: &TrimmedFace, polygons: &Polygons, all: &Edges, chord_mm: f6
         for (k, corner) in corners.iter().enumerate() {
             let next = &corners[(k + 1) % corners.len()];
             strips.gap_mm = strips.gap_mm.max(gap(face, polygons, all, corner));
-            let Side::Edge { edge, t } = corner.side else { continue };
+            let Side::Edge { edge, t, .. } = corner.side else { continue };
             let Some(samples) = pieces[edge].iter().find(|samples| covers(samples, t)) else { continue };
             strips.look_at(face, &sampler, all, samples, [corner, next], chord_mm);
         }
@@ -75,7 +78,7 @@ impl Strips {
         [corner, next]: [&Corner; 2],
         chord_mm: f64,
     ) {
-        let Side::Edge { edge, t } = corner.side else { return };
+        let Side::Edge { edge, t, .. } = corner.side else { return };
         let surface = face.bounds.surface;
         let one = &face.edges[edge];
         let used = face.uses[edge];
@@ -86,21 +89,78 @@ impl Strips {
         let of_curve = record.deviation(t.map(|t| record.turned(t, used.is_turned)));
         let points = ends.map(|at| surface.point(at));
         let of_surface = face.bounds.of_chord(ends, points);
-        let gaps =
-            places.iter().enumerate().map(|(k, at)| (one.curve.point(inner(k)) - surface.point(*at)).norm());
-        self.gap_mm = gaps.fold(self.gap_mm, f64::max);
+        let off = |t: f64, at: &[f64; 2]| (one.curve.point(t) - surface.point(*at)).norm();
+        let inner_gaps = places.iter().enumerate().map(|(k, at)| off(inner(k), at));
+        let gap_mm = inner_gaps.fold(off(t[0], &ends[0]).max(off(t[1], &ends[1])), f64::max);
+        self.gap_mm = self.gap_mm.max(gap_mm);
         let is_line = is_along_parameter(surface, &one.curve, &ends, &places);
-        let width = if is_line { 0.0 } else { of_curve + of_surface + second_order(face, ends, &places) };
+        // Only what a division makes smaller is a reason for it: the gap is not.
+        let wish = if is_line { Beside::Proved(0.0) } else { beside(face, ends, &places, [of_curve, 0.0]) };
+        let (width, wider) = if is_line {
+            (0.0, 0.0)
+        } else {
+            let straight = of_curve + of_surface;
+            let with_gap = beside(face, ends, &places, [of_curve, gap_mm]);
+            (straight + wish.bent_mm(), straight + with_gap.bent_mm())
+        };
+        let length = f64::max(
+            (one.curve.point(t[1]) - one.curve.point(t[0])).norm(),
+            (one.curve.point((t[0] + t[1]) / 2.0) - one.curve.point(t[0])).norm(),
+        );
         let is_too_wide = width > STRIP_SHARE * chord_mm
             || of_curve > STRIP_SHARE * chord_mm
             || of_surface > if is_line { STRIP_SHARE } else { CHORD_SHARE } * chord_mm;
-        let length = (one.curve.point(t[1]) - one.curve.point(t[0])).norm();
-        let middle = (one.curve.point((t[0] + t[1]) / 2.0) - one.curve.point(t[0])).norm();
-        if is_too_wide && length.max(middle) > SHORTEST_SHARE * chord_mm {
+        let is_unknown = matches!(wish, Beside::Unknown(_)) && length > chord_mm;
+        if is_unknown || is_too_wide && length > SHORTEST_SHARE * chord_mm {
             self.wanted.push((used.record, record.turned((t[0] + t[1]) / 2.0, used.is_turned)));
         }
-        self.width_mm = self.width_mm.max(width);
+        self.width_mm = self.width_mm.max(width).max(wider);
     }
+}
+
+/// How far a surface leaves the straight line across a strip, mm.
+enum Beside {
+    Proved(f64),
+    /// At a pole, where the parameters are not bounded: twice the width at places of the edge counts.
+    Measured(f64),
+    /// The side is too long for a proof.
+    Unknown(f64),
+}
+
+impl Beside {
+    fn bent_mm(&self) -> f64 {
+        let (Self::Proved(bent) | Self::Measured(bent) | Self::Unknown(bent)) = self;
+        *bent
+    }
+}
+
+/// How far the surface leaves the straight line across the strip of a side, mm.
+///
+/// The bound of the face and that of the triangles are both within `distance` of the points of the side's
+/// parameters. From this the width of the strip in the parameters follows.
+fn beside(
+    face: &TrimmedFace,
+    ends: [[f64; 2]; 2],
+    places: &[[f64; 2]],
+    [of_curve, gap_mm]: [f64; 2],
+) -> Beside {
+    let bounds = &face.bounds;
+    let ranges = rectangle(&ends);
+    let of_parameters = bounds.of_step(ranges, ranges.map(|[low, high]| high - low));
+    let distance = of_parameters + of_curve.max(of_parameters) + 2.0 * gap_mm;
+    if let Some(widths) = bounds.widths(ranges, distance) {
+        let wider = [0, 1].map(|k| [ranges[k][0] - widths[k], ranges[k][1] + widths[k]]);
+        return Beside::Proved(bounds.of_step(wider, widths.map(|width| 2.0 * width)));
+    }
+    let speeds = |at: [f64; 2]| {
+        let (_, along_u, along_v) = bounds.surface.jet(at);
+        [along_u.norm(), along_v.norm()]
+    };
+    let middle = speeds(places[PLACES / 2]);
+    let is_at_pole =
+        ends.iter().any(|at| speeds(*at).iter().zip(middle).any(|(end, middle)| *end <= AT_POLE * middle));
+    let measured = measured(face, ends, places);
+    if is_at_pole { Beside::Measured(measured) } else { Beside::Unknown(measured) }
 }
 
 /// Whether the samples of a piece go over a range of the edge's parameter.
@@ -122,9 +182,9 @@ fn gap(face: &TrimmedFace, polygons: &Polygons, all: &Edges, corner: &Corner) ->
     (vertex - face.bounds.surface.point(corner.at)).norm()
 }
 
-/// The second-order part of the surface between a side and the places of its edge, mm. The strip is as wide
-/// as twice the most that a place is beside the side.
-fn second_order(face: &TrimmedFace, ends: [[f64; 2]; 2], places: &[[f64; 2]]) -> f64 {
+/// How far the surface leaves the straight line across a strip, mm. The strip is twice as wide as the places
+/// of the edge are beside the side.
+fn measured(face: &TrimmedFace, ends: [[f64; 2]; 2], places: &[[f64; 2]]) -> f64 {
     let mut widths = [0.0_f64; 2];
     for (k, at) in places.iter().enumerate() {
         let share = (k + 1) as f64 / (PLACES + 1) as f64;

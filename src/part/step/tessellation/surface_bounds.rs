@@ -8,18 +8,23 @@
 //! and the variance of values within du is at most du^2 / 4. A first derivative that jumps by j across a
 //! knot adds `j du / 4`.
 //!
-//! On cylinders and cones the nearest point at the same height, and on spheres the nearest point, are closer
-//! than the point of the same parameters:
+//! Other points of round surfaces are closer than the point of the same parameters:
 //! * A point of the triangle has the radius of the cone at its height times at least the cosine of du / 2.
+//! * About the axis of a torus or a revolution, a point of the triangle has the mean radius and height of the
+//!   corners, but for a factor of at least this cosine. The means leave the profile by its own bend alone.
+//!   `S_uv`, which is along the surface, does not count.
 //! * The point of the triangle nearest to the centre of the sphere is the centre of its circumscribed circle,
 //!   or the middle of its longest side where an angle is obtuse.
 
 use std::f64::consts::PI;
 
 use nalgebra::Point3;
+use toolpathd_core::budget::{Budget, Stopped};
 
 use super::curve_bounds::CurveBounds;
 use super::spline_bounds::SplineBounds;
+use crate::step::curve::Curve;
+use crate::step::frame::Frame;
 use crate::step::surface::Surface;
 
 /// The least number of steps round a pole.
@@ -27,6 +32,12 @@ const POLE_STEPS: f64 = 24.0;
 
 /// The part of the allowed deviation that a step along a pole may cause.
 const POLE_SHARE: f64 = 0.25;
+
+/// The least part of the sine between the derivatives that must be left where they change.
+const LEAST_PART: f64 = 0.25;
+
+/// A point within this part of its distance from the axis is on a plane with the axis.
+const ON_PLANE: f64 = 1e-9;
 
 /// Bounds of the distance of triangles from one surface.
 pub struct SurfaceBounds<'a> {
@@ -38,6 +49,8 @@ enum Form {
     Closed,
     /// Of the curve of an extrusion or a revolution.
     Curve(CurveBounds),
+    /// Of the curve of a revolution, in a plane with the axis.
+    Profile(CurveBounds),
     Spline(SplineBounds),
 }
 
@@ -45,15 +58,20 @@ enum Form {
 pub type Rectangle = [[f64; 2]; 2];
 
 impl<'a> SurfaceBounds<'a> {
-    pub fn new(surface: &'a Surface) -> Self {
+    /// # Errors
+    /// The budget has ended.
+    pub fn new(surface: &'a Surface, budget: &Budget) -> Result<Self, Stopped> {
         let form = match surface {
+            Surface::Revolution { curve, frame, .. } if is_meridian(curve, frame) => {
+                Form::Profile(CurveBounds::new(curve))
+            }
             Surface::Extrusion { curve, .. } | Surface::Revolution { curve, .. } => {
                 Form::Curve(CurveBounds::new(curve))
             }
-            Surface::Spline(spline) => Form::Spline(SplineBounds::new(spline)),
+            Surface::Spline(spline) => Form::Spline(SplineBounds::new(spline, budget)?),
             _ => Form::Closed,
         };
-        Self { surface, form }
+        Ok(Self { surface, form })
     }
 
     /// The most that a triangle leaves the surface, mm. Its corners are given as parameters and as points of
@@ -89,9 +107,7 @@ impl<'a> SurfaceBounds<'a> {
                 squares.map(|square| radius_mm * square / 2.0)
             }
             _ => {
-                let [uu, uv, vv] = self.seconds(ranges);
-                let [kinks_u, kinks_v] =
-                    self.kinks(ranges).map(|kinks| kinks.iter().map(|(_, jump)| jump).sum::<f64>());
+                let ([uu, uv, vv], [kinks_u, kinks_v]) = (self.bends(ranges), self.jumps(ranges));
                 let mixed = uv * du * dv / 8.0;
                 [
                     uu * du * du / 8.0 + mixed + kinks_u * du / 4.0,
@@ -101,11 +117,30 @@ impl<'a> SurfaceBounds<'a> {
         }
     }
 
-    /// The most of the second-order part of the surface over a step of these lengths in a rectangle, mm: how
-    /// far a point beside another leaves the line through both.
-    pub fn of_step(&self, ranges: Rectangle, [du, dv]: [f64; 2]) -> f64 {
-        let [uu, uv, vv] = self.seconds(ranges);
-        (uu * du * du + 2.0 * uv * du * dv + vv * dv * dv) / 8.0
+    /// The most by which the surface leaves the line through two of its points, mm. The points are in a
+    /// rectangle, and their parameters differ by the step.
+    pub fn of_step(&self, ranges: Rectangle, step: [f64; 2]) -> f64 {
+        bent(self.seconds(ranges), self.jumps(ranges), step)
+    }
+
+    /// How far u and v of two places of the surface are apart at most, if one of them is in a rectangle, the
+    /// points are within `distance_mm`, and the places are joined by a line of such places. `None` where the
+    /// derivatives change too much over the rectangle.
+    ///
+    /// The derivatives differ from those at the middle by their second derivatives times the distance. The
+    /// difference of the points is at least the sine between the derivatives times the longer part, without
+    /// what they differ by.
+    pub fn widths(&self, ranges: Rectangle, distance_mm: f64) -> Option<[f64; 2]> {
+        let (_, along_u, along_v) = self.surface.jet(ranges.map(|[low, high]| (low + high) / 2.0));
+        let speeds = [along_u.norm(), along_v.norm()];
+        let sine = along_u.cross(&along_v).norm() / (speeds[0] * speeds[1]);
+        let widths = speeds.map(|speed| distance_mm / (LEAST_PART * sine * speed));
+        let wider = [0, 1].map(|k| [ranges[k][0] - widths[k], ranges[k][1] + widths[k]]);
+        let [half_u, half_v] = extents(wider).map(|extent| extent / 2.0);
+        let ([uu, uv, vv], [jump_u, jump_v]) = (self.seconds(wider), self.jumps(wider));
+        let change_u = (uu * half_u + uv * half_v + jump_u) / speeds[0];
+        let change_v = (uv * half_u + vv * half_v + jump_v) / speeds[1];
+        (sine - change_u - change_v >= LEAST_PART * sine).then_some(widths)
     }
 
     /// Extents of u and v over which a triangle leaves the surface by about `allowed_mm`.
@@ -122,7 +157,7 @@ impl<'a> SurfaceBounds<'a> {
                 [step(radius_mm * cosine * cosine, 0), step(*radius_mm, 1)]
             }
             _ => {
-                let [uu, uv, vv] = self.seconds(ranges);
+                let [uu, uv, vv] = self.bends(ranges);
                 let [u, v] = [step(uu, 0), step(vv, 1)];
                 let share = (allowed_mm / (uv * u * v).max(f64::MIN_POSITIVE)).sqrt().min(1.0);
                 [u * share, v * share]
@@ -140,7 +175,7 @@ impl<'a> SurfaceBounds<'a> {
         let height = self.steps(ranges, allowed_mm)[along];
         let mut beside = ranges;
         beside[along] = [(at - height).max(ranges[along][0]), (at + height).min(ranges[along][1])];
-        let second = self.seconds(beside)[if along == 1 { 0 } else { 2 }];
+        let second = self.bends(beside)[if along == 1 { 0 } else { 2 }];
         let [low, high] = ranges[1 - along];
         (POLE_SHARE * 8.0 * allowed_mm / second.max(f64::MIN_POSITIVE)).sqrt().min((high - low) / POLE_STEPS)
     }
@@ -150,7 +185,7 @@ impl<'a> SurfaceBounds<'a> {
         match (&self.form, self.surface) {
             (Form::Closed, _) => [Vec::new(), Vec::new()],
             (Form::Curve(curve), Surface::Extrusion { .. }) => [curve.kinks(ranges[0]).collect(), Vec::new()],
-            (Form::Curve(curve), _) => [Vec::new(), curve.kinks(ranges[1]).collect()],
+            (Form::Curve(curve) | Form::Profile(curve), _) => [Vec::new(), curve.kinks(ranges[1]).collect()],
             (Form::Spline(spline), _) => [spline.kinks(0, ranges[0]), spline.kinks(1, ranges[1])],
         }
     }
@@ -172,7 +207,7 @@ impl<'a> SurfaceBounds<'a> {
                 [radii[0].max(radii[1]), *r, *r]
             }
             (Surface::Extrusion { .. }, Form::Curve(curve)) => [curve.over(ranges[0])[1], 0.0, 0.0],
-            (Surface::Revolution { curve, frame, .. }, Form::Curve(bounds)) => {
+            (Surface::Revolution { curve, frame, .. }, Form::Curve(bounds) | Form::Profile(bounds)) => {
                 let [first, second] = bounds.over(vs);
                 let ends = vs.map(|v| frame.local(&curve.point(v)).xy().norm());
                 [ends[0].max(ends[1]) + first * (vs[1] - vs[0]) / 2.0, first, second]
@@ -182,12 +217,20 @@ impl<'a> SurfaceBounds<'a> {
         }
     }
 
-    fn of_interpolant(&self, ranges: Rectangle) -> f64 {
-        let [du, dv] = extents(ranges);
+    /// The sums of the jumps of the first derivative strictly within a rectangle, along u and v.
+    fn jumps(&self, ranges: Rectangle) -> [f64; 2] {
+        self.kinks(ranges).map(|kinks| kinks.iter().map(|(_, jump)| jump).sum())
+    }
+
+    /// The second derivatives that take triangles away from the surface.
+    fn bends(&self, ranges: Rectangle) -> [f64; 3] {
         let [uu, uv, vv] = self.seconds(ranges);
-        let smooth = (uu * du * du + 2.0 * uv * du * dv + vv * dv * dv) / 8.0;
-        let jumps = self.kinks(ranges).map(|kinks| kinks.iter().map(|(_, jump)| jump).sum::<f64>());
-        smooth + (jumps[0] * du + jumps[1] * dv) / 4.0
+        let is_round = matches!(self.surface, Surface::Torus { .. }) || matches!(self.form, Form::Profile(_));
+        [uu, if is_round { 0.0 } else { uv }, vv]
+    }
+
+    fn of_interpolant(&self, ranges: Rectangle) -> f64 {
+        bent(self.bends(ranges), self.jumps(ranges), extents(ranges))
     }
 
     /// The most that a triangle or chord leaves a cylinder or cone.
@@ -202,6 +245,27 @@ impl<'a> SurfaceBounds<'a> {
         };
         2.0 * self.seconds(ranges)[0] * (du / 4.0).sin().powi(2) * cosine
     }
+}
+
+/// How far a surface of these second derivatives and jumps leaves its linear interpolant over extents.
+fn bent([uu, uv, vv]: [f64; 3], jumps: [f64; 2], [du, dv]: [f64; 2]) -> f64 {
+    (uu * du * du + 2.0 * uv * du * dv + vv * dv * dv) / 8.0 + (jumps[0] * du + jumps[1] * dv) / 4.0
+}
+
+/// Whether a curve lies in a plane with the z axis of a frame.
+fn is_meridian(curve: &Curve, frame: &Frame) -> bool {
+    let points = match curve {
+        Curve::Line { origin, along } => vec![*origin, origin + along],
+        Curve::Circle { frame: own, .. }
+        | Curve::Ellipse { frame: own, .. }
+        | Curve::Hyperbola { frame: own, .. }
+        | Curve::Parabola { frame: own, .. } => vec![own.origin, own.origin + own.x, own.origin + own.y],
+        Curve::Spline(spline) => spline.control_points.clone(),
+        Curve::Polyline(points) => points.clone(),
+    };
+    let flat: Vec<_> = points.iter().map(|point| frame.local(point).xy()).collect();
+    let Some(farthest) = flat.iter().max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return false };
+    flat.iter().all(|point| farthest.perp(point).abs() <= ON_PLANE * farthest.norm_squared())
 }
 
 /// The ranges of u and v of places.

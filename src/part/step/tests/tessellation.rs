@@ -356,6 +356,7 @@ fn what_cannot_be_made_is_an_error() {
     assert_eq!(of(1e-300, MOST, &budget), Err(Untessellated::TooMany { most: MOST }));
     assert_eq!(of(0.0, MOST, &budget), Err(Untessellated::BadChord { chord_mm: 0.0 }));
     assert!(matches!(of(f64::NAN, MOST, &budget), Err(Untessellated::BadChord { .. })));
+    assert_eq!(triangles(&model, &[3], 0.1, MOST, &budget), Err(Untessellated::NoFace { face: 3 }));
     budget.cancel();
     assert_eq!(of(0.1, MOST, &budget), Err(Untessellated::Stopped(Stopped::Cancelled)));
 }
@@ -384,4 +385,23 @@ fn a_thin_ring_keeps_its_two_bounds_apart() {
     let made = made(&w.model(&[face]), 0.1);
     let exact = PI * (25.0 - 4.99 * 4.99);
     assert!(area(&made) > 0.5 * exact && area(&made) < 2.0 * exact);
+}
+
+#[test]
+fn a_part_of_a_disc_is_not_lost_below_a_coarse_chord() {
+    // Between an arc of 1 rad and its chord, much flatter than the chord of the triangles.
+    let mut w = Writer::new(Length::Millimetre);
+    let frame = w.upright([0.0; 3]);
+    let ends = [[2.0, 0.0, 0.0], [2.0 * 1.0_f64.cos(), 2.0 * 1.0_f64.sin(), 0.0]];
+    let vertices = ends.map(|p| w.vertex(p));
+    let arc = w.add(format!("CIRCLE('',#{frame},2.)"));
+    let arc = w.edge(vertices, arc);
+    let line = w.line(ends[1], ends[0]);
+    let line = w.edge([vertices[1], vertices[0]], line);
+    let bound = w.bound(&[(arc, true), (line, true)]);
+    let face = level(&mut w, &[bound], 0.0);
+    let model = w.model(&[face]);
+    let exact = 2.0 * (1.0 - 1.0_f64.sin());
+    let of_coarse = area(&made(&model, 100.0));
+    assert!(of_coarse > 0.5 * exact && of_coarse < exact, "{of_coarse} of {exact}");
 }

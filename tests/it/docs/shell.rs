@@ -20,7 +20,8 @@ pub fn commands(shell: &str) -> Result<Vec<Command>, String> {
         match words.first().map(String::as_str) {
             Some("curl") => commands.push(Command::Curl(Curl::of(&words[1..]).map_err(named)?)),
             Some("jq") => commands.push(Command::Jq(Jq::of(&words[1..]).map_err(named)?)),
-            Some("cargo") => {}
+            // A comment has no words.
+            Some("cargo") | None => {}
             _ => return Err(format!("no curl, jq or cargo: {line}")),
         }
     }

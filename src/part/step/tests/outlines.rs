@@ -233,7 +233,7 @@ fn a_wall_with_a_chamfer_ends_at_the_top_of_the_chamfer() {
     let pocket = rectangle([0.0, 20.0], [0.0, 10.0]);
     let low = at(&pocket, 0.0);
     let high = [[0.0, 0.0, 5.0], [20.0, 0.0, 8.0], [20.0, 10.0, 8.0], [0.0, 10.0, 5.0]];
-    solid.face(&[low.clone()]);
+    solid.face(std::slice::from_ref(&low));
     for k in 0..4 {
         let next = (k + 1) % 4;
         solid.face(&[back(vec![low[k], low[next], high[next], high[k]])]);

@@ -20,8 +20,8 @@ pub struct OutlineReport {
     /// `[x, y, bulge]`, in mm.
     #[schema(value_type = Vec<Vec<f64>>)]
     vertices: Vec<LoopVertex>,
-    /// The edges of `vertices` from which no wall goes up, as `open` of a region takes them. Present with
-    /// `open` and `top`.
+    /// The edges from which no wall goes up, by the numbers of their vertices, as `open` of a region takes
+    /// them. Present with `open` and `top`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<OpenEdges>)]
     open: Option<OpenReport>,

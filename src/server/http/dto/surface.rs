@@ -49,8 +49,8 @@ by_kind! {
         "parallel_sweep" => ParallelSweep(ParallelSweep),
         "normal_sweep" => NormalSweep(NormalSweep),
         "ruled" => Ruled(Ruled),
-        "file" => File(SurfaceFile),
         "points" => Points(Points),
+        "file" => File(SurfaceFile),
     }
 }
 

@@ -5,10 +5,10 @@
 //! 2. Each point is predicted by least squares from its neighbours on all sides ([`neighbours`]). The quieter
 //!    quarter of the residuals tells the noise. A point within a few times the noise is no outlier.
 //! 3. Each other point is predicted robustly ([`local`]), from all neighbours and from the neighbours on one
-//!    side, for eight sides. A crease or a step leaves at least one side undisturbed. Predictions with a large
-//!    scale are disturbed, and do not count. The point is an outlier where every other prediction is off: by
-//!    more than a bound times its own scale, and by more than the stated error. The scale is at least the
-//!    noise.
+//!    side, for eight sides. A crease or a step leaves at least one side undisturbed. Predictions with a
+//!    large scale are disturbed, and do not count. The point is an outlier where every other prediction is
+//!    off: by more than a bound times its own scale, and by more than the stated error. The scale is at least
+//!    the noise.
 //! 4. Outliers are left out, and all is done again, until nothing is found. Last, each outlier is judged by
 //!    the points that are left.
 //!

@@ -170,5 +170,5 @@ fn raised(system: &System, low: Tried, error: Error, budget: &Budget) -> Result<
     Ok(best.solution)
 }
 
-/// Half of the knots beyond the domain at each end.
+/// Knots beyond the domain at each end.
 pub const KNOTS_BEYOND: usize = WIDTH - 1;

@@ -22,6 +22,7 @@ use toolpathd_core::geometry::surface::point_fit::{Error, OutlierChoice, PointFi
 /// the stated error. For noisy points; `point_grid` passes through its points.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(as = SurfacePoints)]
 pub struct Points {
     #[serde(rename = "kind")]
     #[schema(ignore)]

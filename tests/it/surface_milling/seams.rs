@@ -186,6 +186,7 @@ pub fn jets(source: &Source) -> Vec<Jet> {
         AnySurface::Bicubic(surface) => of(&surface),
         AnySurface::Rational(surface) => of(&surface),
         AnySurface::HighDegree(surface) => of(&surface),
+        AnySurface::Triangles(surface) => of(&surface),
     }
 }
 

@@ -141,12 +141,11 @@ fn locate_on<P: Patch>(
 /// The points of a group, in order.
 type Group<'a> = dyn Iterator<Item = Point2<f64>> + 'a;
 
+/// The locations at the points of a group.
+type OfGroup<'a> = dyn Fn(&mut Group) -> Result<Vec<Option<Location>>, Stopped> + Sync + 'a;
+
 /// The location at each point of the job. `of_group` locates the points of one group.
-fn locate_groups(
-    job: &Job,
-    of_group: &(dyn Fn(&mut Group) -> Result<Vec<Option<Location>>, Stopped> + Sync),
-    budget: &Budget,
-) -> Result<Vec<Option<Location>>, Error> {
+fn locate_groups(job: &Job, of_group: &OfGroup, budget: &Budget) -> Result<Vec<Option<Location>>, Error> {
     let order = order(&job.points);
     let groups: Vec<&[usize]> = order.chunks(GROUP).collect();
     let progress = Progress::new("points", groups.len());

@@ -10,31 +10,35 @@ use crate::api::support::{Answer, MILL};
 /// of STL.
 fn step_stl() -> String {
     let mut text = String::from("solid step\n");
-    let mut quad = |corners: [[f64; 3]; 4]| {
-        let [a, b, c, d] = corners;
-        for triangle in [[a, b, c], [a, c, d]] {
+    // Triangles of a convex polygon, all with its first corner.
+    let mut polygon = |corners: &[[f64; 3]]| {
+        for pair in corners[1..].windows(2) {
             text += "facet normal 0 0 0\nouter loop\n";
-            for [x, y, z] in triangle {
+            for [x, y, z] in [corners[0], pair[0], pair[1]] {
                 text += &format!("vertex {x} {y} {z}\n");
             }
             text += "endloop\nendfacet\n";
         }
     };
     for (x0, x1, z) in [(0.0, 20.0, 10.0), (20.0, 40.0, 6.0)] {
-        quad([[x0, 0.0, z], [x1, 0.0, z], [x1, 30.0, z], [x0, 30.0, z]]);
-        quad([[x0, 0.0, 0.0], [x0, 30.0, 0.0], [x1, 30.0, 0.0], [x1, 0.0, 0.0]]);
+        polygon(&[[x0, 0.0, z], [x1, 0.0, z], [x1, 30.0, z], [x0, 30.0, z]]);
+        polygon(&[[x0, 0.0, 0.0], [x0, 30.0, 0.0], [x1, 30.0, 0.0], [x1, 0.0, 0.0]]);
     }
-    quad([[20.0, 0.0, 6.0], [20.0, 30.0, 6.0], [20.0, 30.0, 10.0], [20.0, 0.0, 10.0]]);
-    quad([[0.0, 0.0, 0.0], [0.0, 0.0, 10.0], [0.0, 30.0, 10.0], [0.0, 30.0, 0.0]]);
-    quad([[40.0, 0.0, 0.0], [40.0, 30.0, 0.0], [40.0, 30.0, 6.0], [40.0, 0.0, 6.0]]);
+    polygon(&[[20.0, 0.0, 6.0], [20.0, 30.0, 6.0], [20.0, 30.0, 10.0], [20.0, 0.0, 10.0]]);
+    polygon(&[[0.0, 0.0, 0.0], [0.0, 0.0, 10.0], [0.0, 30.0, 10.0], [0.0, 30.0, 0.0]]);
+    polygon(&[[40.0, 0.0, 0.0], [40.0, 30.0, 0.0], [40.0, 30.0, 6.0], [40.0, 0.0, 6.0]]);
     // The front and the back have a corner more, where the step begins.
     for y in [0.0, 30.0] {
-        let order = |corners: [[f64; 3]; 4]| {
-            let [a, b, c, d] = corners;
-            if y == 0.0 { [a, b, c, d] } else { [a, d, c, b] }
-        };
-        quad(order([[0.0, y, 0.0], [20.0, y, 0.0], [20.0, y, 10.0], [0.0, y, 10.0]]));
-        quad(order([[20.0, y, 0.0], [40.0, y, 0.0], [40.0, y, 6.0], [20.0, y, 6.0]]));
+        let sides = [
+            vec![[0.0, y, 0.0], [20.0, y, 0.0], [20.0, y, 6.0], [20.0, y, 10.0], [0.0, y, 10.0]],
+            vec![[20.0, y, 0.0], [40.0, y, 0.0], [40.0, y, 6.0], [20.0, y, 6.0]],
+        ];
+        for mut side in sides {
+            if y > 0.0 {
+                side[1..].reverse();
+            }
+            polygon(&side);
+        }
     }
     text + "endsolid step\n"
 }
@@ -141,7 +145,11 @@ async fn passes_on_a_mesh_end_at_its_outline_and_are_made_by_contact() {
     for (job, pointer) in [(past, "#/boundary"), (offset, "#/engine"), (union, "#/strategy")] {
         let answer = sent(MILL, &job).await;
         assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY);
-        assert!(answer.violations().contains(&("conflict".to_owned(), pointer.to_owned())), "{}", answer.text());
+        assert!(
+            answer.violations().contains(&("conflict".to_owned(), pointer.to_owned())),
+            "{}",
+            answer.text()
+        );
     }
     let model = sent("/v1/surfaces/model", &json!({ "surface": surface() })).await;
     assert_eq!(model.violations(), [("unsupported".to_owned(), "#/surface".to_owned())]);

@@ -52,6 +52,9 @@ pub(super) enum Counting {
     Rolling,
 }
 
+/// Sections, and how far beside their plane they were traced, mm.
+type Found = (Vec<Vec<Point3<f64>>>, f64);
+
 /// Sections of tips over lines at right angles to the x or y axis.
 #[derive(Debug, Clone, Copy)]
 pub struct MeshSections<'a> {
@@ -114,7 +117,7 @@ impl<'a> MeshSections<'a> {
         plane: PlaneAt,
         spacing: Spacing,
         budget: &Budget,
-    ) -> Result<(Vec<Vec<Point3<f64>>>, f64), SectionError> {
+    ) -> Result<Found, SectionError> {
         let mut trace = Trace::new(self, counting, plane, spacing, budget);
         if trace.all(true)? {
             return Ok((trace.chains, 0.0));

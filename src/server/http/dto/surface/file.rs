@@ -187,8 +187,7 @@ impl SurfaceFile {
                 return None;
             }
             if !model.left_out.is_empty() {
-                let detail =
-                    "parts of the file are left out, and the cutter would cut into them: name the faces that count; `/v1/parts/inspect` lists them, and what is left out";
+                let detail = "parts of the file are left out, and the cutter would cut into them: name the faces that count; `/v1/parts/inspect` lists them, and what is left out";
                 reading.violations.add(&at, FieldCode::MissingField, detail);
                 return None;
             }

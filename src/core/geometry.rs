@@ -26,4 +26,3 @@ pub mod solve;
 pub mod spacing;
 pub mod spline;
 pub mod surface;
-pub mod triangle_mesh;

@@ -20,6 +20,7 @@ pub mod point_grid;
 pub mod ruled;
 pub mod source;
 pub mod topology;
+pub mod triangle_mesh;
 pub mod vector_ball;
 
 mod hermite;

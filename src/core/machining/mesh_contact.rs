@@ -26,7 +26,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 use super::cutter::Cutter;
 use crate::geometry::bounding_tree::Visitor;
 use crate::geometry::surface::patch::Bounds;
-use crate::geometry::triangle_mesh::TriangleMesh;
+use crate::geometry::surface::triangle_mesh::TriangleMesh;
 use lift::{Lift, REACH, Support, height, lift_above};
 
 /// A cutter that touches a mesh from above.
@@ -52,7 +52,7 @@ pub struct MeshContact {
 /// ```
 /// use nalgebra::{Point3, Vector2};
 /// use toolpathd_core::budget::Budget;
-/// use toolpathd_core::geometry::triangle_mesh::TriangleMesh;
+/// use toolpathd_core::geometry::surface::triangle_mesh::TriangleMesh;
 /// use toolpathd_core::machining::cutter::Cutter;
 /// use toolpathd_core::machining::mesh_contact::MeshContacts;
 ///

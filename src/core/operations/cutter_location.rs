@@ -5,8 +5,8 @@
 //! 2. Divide the ordered points into groups, and the groups among threads. The size of a group does not
 //!    depend on the number of threads.
 //! 3. Drop the cutter at each point ([`drop_cutter`](crate::machining::drop_cutter)). If the previous point
-//!    of the group is near, its contact is the start of the search. On a mesh, the tip is known in closed form
-//!    ([`mesh_contact`](crate::machining::mesh_contact)).
+//!    of the group is near, its contact is the start of the search. On a mesh, the tip is known in closed
+//!    form ([`mesh_contact`](crate::machining::mesh_contact)).
 //!
 //! # Guarantees
 //! The true tip is at the reported tip, or higher by at most [`Location::gap_mm`].

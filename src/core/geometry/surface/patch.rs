@@ -1,8 +1,8 @@
 //! What all Bezier patches can do: give points and derivatives, be halved, and bound their points and
 //! derivatives by their control points.
 //!
-//! Three types implement [`Patch`]: [`BicubicPatch`], small and fast, [`RationalPatch`] of any degree up to 7,
-//! and [`FlatPatch`] for triangles. Proofs use only this trait, so they hold for all of them.
+//! Three types implement [`Patch`]: [`BicubicPatch`], small and fast, [`RationalPatch`] of any degree up to
+//! 7, and [`FlatPatch`] for triangles. Proofs use only this trait, so they hold for all of them.
 
 pub mod bicubic;
 pub mod flat;

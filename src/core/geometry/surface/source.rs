@@ -12,7 +12,7 @@ use super::nurbs::{Nurbs, NurbsError};
 use super::parallel_sweep::{ParallelSweep, ParallelSweepError};
 use super::point_grid::{GridError, PointGrid};
 use super::ruled::{Ruled, RuledError};
-use crate::geometry::triangle_mesh::TriangleMesh;
+use super::triangle_mesh::TriangleMesh;
 
 /// The data of a surface, one variant for each kind.
 ///

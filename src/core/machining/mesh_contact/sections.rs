@@ -18,7 +18,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 
 use super::{MeshContact, MeshContacts};
 use crate::budget::Budget;
-use crate::geometry::triangle_mesh::UPRIGHT;
+use crate::geometry::surface::triangle_mesh::UPRIGHT;
 use crate::machining::offset_section::{Chain, PlaneAt, SectionError, Spacing};
 use trace::{Trace, WALL_MM};
 

@@ -6,8 +6,8 @@
 //! * *Not too low.* A triangle that the cutter touches at one end lifts the tip at least to the chord between
 //!   its own lifts at both ends. The triangles of both ends together leave at most d e / (d + e) below the
 //!   chord, where d and e are what each lacks at the other end.
-//! * *Not too high.* The lift of a triangle is nowhere above its tangents at the ends. Where they meet too far
-//!   above the chord, the stretch is halved for this triangle.
+//! * *Not too high.* The lift of a triangle is nowhere above its tangents at the ends. Where they meet too
+//!   far above the chord, the stretch is halved for this triangle.
 
 use nalgebra::{Vector2, Vector3};
 

@@ -1,7 +1,7 @@
 //! What a picture shows of a surface.
 
 use toolpathd_core::geometry::surface::source::Source;
-use toolpathd_core::geometry::triangle_mesh::TopView;
+use toolpathd_core::geometry::surface::triangle_mesh::TopView;
 use toolpathd_core::machining::wire_model::{self, Wire};
 use toolpathd_plot::Drawing;
 

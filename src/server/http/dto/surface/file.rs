@@ -20,7 +20,7 @@ use crate::http::dto::schema::{array_of, schema_of};
 use crate::http::error::FieldCode;
 use crate::http::messages::{WarningCode, no_grid};
 use crate::http::pointer::Pointer;
-use toolpathd_core::geometry::triangle_mesh::TriangleMesh;
+use toolpathd_core::geometry::surface::triangle_mesh::TriangleMesh;
 use toolpathd_part::format::Format;
 use toolpathd_part::points::grid::{Grid, NoGrid, grid};
 use toolpathd_part::points::{self, PointText};

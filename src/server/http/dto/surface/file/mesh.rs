@@ -8,7 +8,7 @@ use crate::http::decode::files::FileReading;
 use crate::http::dto::file::Reference;
 use crate::http::error::FieldCode;
 use crate::http::messages::WarningCode;
-use toolpathd_core::geometry::triangle_mesh::{MeshError, TriangleMesh};
+use toolpathd_core::geometry::surface::triangle_mesh::{MeshError, TriangleMesh};
 use toolpathd_part::mesh::{self, MeshFile, MeshFormat};
 use toolpathd_part::step::Model;
 use toolpathd_part::step::tessellation::{self, FaceTriangles, Untessellated};

@@ -23,10 +23,10 @@ mod sides;
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::bounding_tree::{BoundingTree, Visitor};
-use super::surface::patch::{Bounds, FlatPatch};
-use super::surface::{BezierSurface, Jet, Patch, Surface};
+use super::patch::{Bounds, FlatPatch};
+use super::{BezierSurface, Jet, Patch, Surface};
 use crate::budget::{Budget, Stopped};
+use crate::geometry::bounding_tree::{BoundingTree, Visitor};
 
 /// Triangles between two checks of the budget.
 pub(crate) const TRIANGLES_BETWEEN_CHECKS: usize = 65_536;

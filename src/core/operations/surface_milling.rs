@@ -19,7 +19,8 @@
 //! * No point of the part is farther from the material that the passes remove than the larger of
 //!   `scallop_max_mm` and `rest_max_mm` ([`uncut`](crate::machining::uncut)). The first counts places that
 //!   the cutter can reach, the second all others. Near a place that the cutter cannot reach, a place that it
-//!   can reach may count as rest. With an allowance both are estimates.
+//!   can reach may count as rest. With an allowance both are estimates. Of a mesh, upright walls, undersides
+//!   and slivers do not count.
 //!
 //! The bounds hold for the path as computed and as the program states it. A path is
 //! refused if its bound of the deviation exceeds the tolerance. The allowance is a layer of material that has
@@ -103,8 +104,8 @@ pub struct Report {
     /// that the cutter can reach. This is the height of the scallops, or of what stays where no pass leads.
     /// It is proved that no place has more left than the larger of `scallop_max_mm` and `rest_max_mm`. Near
     /// a place that the cutter cannot reach, a place that it can reach may count as rest. With an allowance,
-    /// the distance counts from the top of the layer that stays, and is an estimate. `null` with
-    /// `wire_union`.
+    /// the distance counts from the top of the layer that stays, and is an estimate. Upright walls and
+    /// undersides of a mesh do not count. `null` with `wire_union`.
     #[cfg_attr(feature = "wire", schema(required))]
     pub scallop_max_mm: Option<f64>,
     /// Where `scallop_max_mm` was found, in mm. `null` where nothing was found.

@@ -6,7 +6,8 @@
 //! or at the end of the side that is nearest to it.
 //!
 //! Let m be the slope of a side in plan, d0 the distance of its line from the axis in plan, and l the
-//! distance from the foot of the axis on the line. At the largest lift, the lower side rises along the line by m:
+//! distance from the foot of the axis on the line. At the largest lift, the lower side rises along the line
+//! by m:
 //! * a ball of radius c: l = m q / sqrt(1 + m^2), with q^2 = c^2 - d0^2;
 //! * a flat end: at the end of the chord that the cutter's circle has in the line;
 //! * a bull nose: where sin(t) l = |m| cos(t) d, with d = r + c sin(t) and l^2 = d^2 - d0^2.
@@ -15,7 +16,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::geometry::surface::triangle_mesh::holds;
+use crate::geometry::surface::triangle_mesh::{holds, normal};
 use crate::machining::cutter::Cutter;
 
 /// Distance from the axis, as a share of the radius, up to which points count as below the cutter: at the
@@ -128,7 +129,7 @@ pub(super) fn lift_above(
 /// The lift of the inside of a triangle, where the cutter touches it.
 fn by_plane(cutter: &Cutter, corners: &[Vector3<f64>; 3], axis: &Vector2<f64>) -> Option<Lift> {
     let [a, b, c] = corners;
-    let normal = (b - a).cross(&(c - a));
+    let normal = normal(corners)?;
     let gradient = -normal.xy() / normal.z;
     if !gradient.norm_squared().is_finite() {
         return None;

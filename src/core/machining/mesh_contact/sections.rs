@@ -18,7 +18,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 
 use super::{MeshContact, MeshContacts};
 use crate::budget::Budget;
-use crate::geometry::surface::triangle_mesh::UPRIGHT;
+use crate::geometry::surface::triangle_mesh::{UPRIGHT, is_sliver};
 use crate::machining::offset_section::{Chain, PlaneAt, SectionError, Spacing};
 use trace::{Trace, WALL_MM};
 
@@ -110,7 +110,7 @@ impl<'a> MeshSections<'a> {
 
     /// The sections, and how far beside the plane they were traced, mm. Over some planes the cutter only
     /// grazes a wall, and rounding decides on which side of the wall it is. There the sections are traced a
-    /// little beside the plane on both sides, and the lower ones are taken.
+    /// little beside the plane on both sides, and those with the lowest point are taken.
     fn found(
         &self,
         counting: Counting,
@@ -157,7 +157,7 @@ impl<'a> MeshSections<'a> {
         let mut extent = [f64::INFINITY, f64::NEG_INFINITY];
         for k in 0..mesh.triangles().len() {
             let normal = mesh.normal(k);
-            if normal.z <= UPRIGHT * normal.norm() {
+            if is_sliver(&mesh.corners(k)) || normal.z <= UPRIGHT * normal.norm() {
                 continue;
             }
             let lower = self.contacts.cutter.tangent_point(-normal.xy() / normal.z);

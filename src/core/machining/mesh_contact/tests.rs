@@ -87,6 +87,41 @@ proptest! {
     }
 }
 
+/// The normals of these triangles are rounding alone: the sides tell how high the cutter is lifted.
+#[test]
+fn triangles_on_one_line_lift_the_cutter_by_their_sides() {
+    let ball = Cutter::ball(3.0);
+    let line = [[-1.0, 0.5, -13.2], [-2.4, 1.3, -9.2], [-4.5, 2.5, -3.2]].map(Vector3::from);
+    for ([x, y], expected) in [([-1.0, 0.5], -8.176), ([-2.4, 1.3], -4.425), ([-4.5, 2.5], -3.2)] {
+        let found = lift(&ball, &line, &Vector2::new(x, y)).unwrap();
+        assert!((found.tip_z - expected).abs() < 1e-3, "{found:?} {expected}");
+    }
+    let far = [[-2.0, 7.3, 1.0], [-0.2, 4.3, 5.2], [-1.7, 6.8, 1.7]].map(Vector3::from);
+    assert_eq!(lift(&ball, &far, &Vector2::new(0.5, 0.8)), None);
+}
+
+/// In the valley between two steep walls, the tips turn back: vertical distances tell it.
+#[test]
+fn a_valley_between_steep_walls_is_not_cut_off() {
+    let at = |x: f64, z: f64| [Point3::new(x, -5.0, z), Point3::new(x, 5.0, z)];
+    let points: Vec<_> = [at(-2.0, 56.0), at(0.0, 0.0), at(4.0, 48.0)].concat();
+    let triangles = (0..2u32).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 1]]);
+    let mesh = TriangleMesh::new(points, triangles.collect(), 0.0, &Budget::unlimited()).unwrap();
+    let spacing = Spacing { chord_height_mm: 6e-4, step_length_mm: f64::INFINITY };
+    for radius in [0.3, 0.5, 0.7, 1.0] {
+        let contacts = MeshContacts::new(&mesh, Cutter::ball(radius));
+        let sections = MeshSections::new(contacts, 1);
+        let chains = sections.chains(PlaneAt::new(0.1), spacing, &Budget::unlimited()).unwrap();
+        let points: Vec<_> = chains.iter().flat_map(|chain| &chain.points).collect();
+        let lowest = points.iter().map(|point| point.z).fold(f64::INFINITY, f64::min);
+        let tips = (0..=20_000)
+            .map(|k| -1.0 + 2e-4 * f64::from(k))
+            .filter_map(|x| contacts.drop(Vector2::new(x, 0.1)));
+        let valley = tips.map(|contact| contact.tip.z).fold(f64::INFINITY, f64::min);
+        assert!(lowest <= valley + 6e-4, "{radius} {lowest} {valley}");
+    }
+}
+
 #[test]
 fn a_drop_finds_the_triangle_that_lifts_the_tip_highest() {
     let mesh = wave(40, 0.6);

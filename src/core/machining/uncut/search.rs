@@ -101,13 +101,16 @@ impl<R: Reach> Search<'_, R> {
         let (done, open): (Vec<_>, Vec<_>) =
             first.iter().enumerate().partition(|(_, searched)| searched.looked <= limit);
         let left = done.iter().fold(known, |left, (_, searched)| left.or_more(searched.left));
-        let limit = limit + self.wanted.part_limit.saturating_sub(looked) / open.len().max(1);
+        let more = self.wanted.part_limit.saturating_sub(looked) / open.len().max(1);
+        if more == 0 {
+            return Ok(open.iter().fold(left, |left, (_, searched)| left.or_more(searched.left)));
+        }
         let known = left.with_found(first.iter().map(|searched| &searched.left));
         let again = self.budget.in_order(open.len(), |k| {
             self.budget.progress("material left", k, open.len());
-            self.block(blocks[open[k].0], known, limit)
+            self.block(blocks[open[k].0], known, limit + more)
         })?;
-        Ok(again.into_iter().fold(known, |left, searched| left.or_more(searched.left)))
+        Ok(again.into_iter().fold(left, |left, searched| left.or_more(searched.left)))
     }
 
     /// The largest distances at places spread over the surface.

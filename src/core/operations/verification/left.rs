@@ -25,8 +25,9 @@ const EXCESS_GAP: f64 = 0.05;
 /// Parts of a surface smaller than this share of the gap count as points.
 const SMALLEST_SHARE: f64 = 0.1;
 
-/// The most parts of the search for what stands above a surface.
+/// The most parts of the search for what stands above a surface, or as many for each of its patches.
 const PARTS: usize = 400_000;
+const PARTS_OF_PATCH: usize = 8;
 
 /// By how much the bound of what stands at a wall may exceed what was found, as a share of the tolerance.
 const WALL_GAP: f64 = 0.1;
@@ -174,7 +175,7 @@ fn excess<P: Patch>(
         target_mm: None,
         grain_mm,
         smallest_mm: SMALLEST_SHARE * gap_mm,
-        part_limit: PARTS,
+        part_limit: PARTS.max(PARTS_OF_PATCH * surface.patches().len()),
     };
     let left = uncut::left(surface, &swept, &All, wanted, budget)?.reached;
     Ok(left.bound_mm.is_finite().then_some(Worst {

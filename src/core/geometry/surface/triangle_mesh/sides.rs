@@ -1,8 +1,8 @@
 //! The sides of the triangles of a mesh: whether they close the mesh, and where they are sharp.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
-use super::TRIANGLES_BETWEEN_CHECKS;
+use super::{TRIANGLES_BETWEEN_CHECKS, bodies};
 use crate::budget::{Budget, Stopped};
 
 /// Sine of the largest angle between the normals of two triangles along a side that is not sharp.
@@ -11,8 +11,10 @@ const SMOOTH: f64 = 0.1;
 pub(super) struct Sides {
     /// For each triangle, which sides are sharp; the first is from the first corner to the second.
     pub(super) sharp: Vec<[bool; 3]>,
-    /// Whether the normals of a closed mesh point inwards; `None` if the mesh is not closed.
-    pub(super) turned: Option<bool>,
+    /// For each triangle, whether its normal by the order of its corners is turned round: to the outside of
+    /// a closed mesh, and up in any other.
+    pub(super) turned: Vec<bool>,
+    pub(super) is_closed: bool,
 }
 
 /// A side of a triangle: its corners in order, and three times the number of the triangle, plus the side.
@@ -33,16 +35,11 @@ pub(super) fn sides(
 ) -> Result<Sides, Stopped> {
     let at = |k: u32| points[k as usize].coords;
     let normal = |&[a, b, c]: &[u32; 3]| (at(b) - at(a)).cross(&(at(c) - at(a)));
-    // Near the part, so that coordinates far from the origin do not hide the volume.
-    let near = points.first().map_or(Vector3::zeros(), |p| p.coords);
     let mut all = Vec::with_capacity(3 * triangles.len());
-    let mut volume = 0.0;
     for (k, triangle) in triangles.iter().enumerate() {
         if k % TRIANGLES_BETWEEN_CHECKS == 0 {
             budget.check()?;
         }
-        let [p, q, r] = triangle.map(|corner| at(corner) - near);
-        volume += p.dot(&q.cross(&r));
         all.extend((0..3).map(|side| {
             let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
             Side { corners: [from.min(to), from.max(to)], owner: (3 * k + side) as u32 }
@@ -69,5 +66,10 @@ pub(super) fn sides(
         sharp[k][side] = !is_smooth;
         sharp[n][beside] = !is_smooth;
     }
-    Ok(Sides { sharp, turned: (is_closed && volume != 0.0).then_some(volume < 0.0) })
+    let turned = if is_closed {
+        bodies::turned(points, triangles, budget)?
+    } else {
+        triangles.iter().map(|triangle| normal(triangle).z < 0.0).collect()
+    };
+    Ok(Sides { sharp, turned, is_closed })
 }

@@ -184,12 +184,8 @@ impl<'a> Trace<'a> {
         if way.norm() > self.spacing.step_length_mm {
             return Verdict::CutAt(0.5);
         }
-        // On a steep chord, vertical distances are larger than distances from the chord. The larger height is
-        // allowed if the chord is long enough.
-        let height = self.spacing.chord_height_mm;
-        let steep = height * (1.0 + (way.z / way.xy().norm()).powi(2)).sqrt();
-        let allowed = if steep <= 0.25 * way.norm() { steep } else { height };
-        self.sections.contacts.stretch(from, to, [allowed; 2])
+        // Vertical distances bound the distances in order, also where the tips turn back beside the chord.
+        self.sections.contacts.stretch(from, to, [self.spacing.chord_height_mm; 2])
     }
 
     /// Adds the way up or down a wall, with points no farther apart than the step length.

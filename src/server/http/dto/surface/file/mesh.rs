@@ -91,9 +91,11 @@ fn told(name: &str, mesh: &TriangleMesh) -> String {
     let closed =
         if mesh.is_closed() { "a closed mesh" } else { "an open mesh, all of which counts as facing up" };
     match mesh.deviation_mm() {
-        0.0 => format!("`{name}` is {closed} of {n} triangles: all figures are about these triangles"),
+        0.0 => format!(
+            "`{name}` is {closed} of {n} triangles: all figures are about these triangles, and what is left on upright walls and undersides is not counted"
+        ),
         by => format!(
-            "the faces of `{name}` are taken as {n} triangles ({closed}) within {by:.6} mm of them: all figures are about these triangles"
+            "the faces of `{name}` are taken as {n} triangles ({closed}) within {by:.6} mm of them: all figures are about these triangles, and what is left on upright walls and undersides is not counted"
         ),
     }
 }

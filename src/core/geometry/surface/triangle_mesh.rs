@@ -8,8 +8,8 @@
 //!
 //! # Guarantees
 //! * A mesh is *closed* if each edge belongs to two triangles, once in each direction. Then the sign of the
-//!   volume that a body encloses tells where outside is. A body within the box of the largest one is a void of
-//!   it if it is turned the other way.
+//!   volume that a body encloses tells where outside is. A body within the box of the largest one is a void
+//!   of it if it is turned the other way.
 //! * The triangles of a mesh that is not closed count as facing up, whatever the order of their corners.
 //! * A side of a triangle is *sharp* where the mesh ends, turns by more than about 6 degrees, or meets a
 //!   triangle without an area or more than one other triangle.

@@ -60,6 +60,9 @@ fn statements(bytes: &[u8]) -> impl Iterator<Item = Statement<'_>> {
     std::iter::from_fn(move || {
         loop {
             let (number, first) = lines.next()?;
+            if first.starts_with(b"#") {
+                continue;
+            }
             let end = first.iter().position(|byte| byte.is_ascii_whitespace() || *byte == b'\\');
             let (keyword, values) = first.split_at(end.unwrap_or(first.len()));
             let mut values = Cow::Borrowed(without_comment(values));
@@ -69,7 +72,7 @@ fn statements(bytes: &[u8]) -> impl Iterator<Item = Statement<'_>> {
                 whole.push(b' ');
                 whole.extend(lines.next().map_or(&b""[..], |(_, next)| without_comment(next)));
             }
-            if !keyword.is_empty() && !keyword.starts_with(b"#") {
+            if !keyword.is_empty() {
                 return Some(Statement { keyword, values, place: Place::Line(number) });
             }
         }

@@ -62,6 +62,8 @@ pub struct OutlineLoop {
     pub has_wall: Vec<bool>,
     /// The height at which all of its walls end. `None` without walls, or where they end at several heights.
     pub top_mm: Option<f64>,
+    /// For an inner loop, whether a face within its box in plan reaches above the level.
+    pub holds_higher: bool,
 }
 
 /// From how many elements of a loop walls go up.
@@ -126,8 +128,10 @@ impl Setting<'_> {
         let (outer, mut is_covered) = self.ring(&joined.outer);
         let mut inner = Vec::with_capacity(joined.inner.len());
         for ring in &joined.inner {
-            let (ring, is_leaning) = self.ring(ring);
+            let (mut ring, is_leaning) = self.ring(ring);
             is_covered |= is_leaning;
+            ring.holds_higher =
+                self.level.is_up && self.around.stands_within(plan_box(&ring), self.level.height_mm);
             inner.push(ring);
         }
         let area_mm2 = outer.area_mm2 - inner.iter().map(|ring| ring.area_mm2).sum::<f64>();
@@ -157,7 +161,8 @@ impl Setting<'_> {
         let top = self.around.top(beside.iter().filter_map(|beside| beside.wall), height_mm);
         let top_mm = top.map(|top| self.of_level(top));
         let is_leaning = beside.iter().any(|beside| beside.is_leaning);
-        (OutlineLoop { vertices, area_mm2: area.abs(), has_wall, top_mm }, is_leaning)
+        let ring = OutlineLoop { vertices, area_mm2: area.abs(), has_wall, top_mm, holds_higher: false };
+        (ring, is_leaning)
     }
 
     /// A height, or that of a level beside it.

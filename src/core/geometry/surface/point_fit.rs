@@ -194,6 +194,11 @@ impl PointFit {
         }
         let places: Vec<[f64; 2]> = plan.iter().map(|p| frame.place(p)).collect();
         let cells = Cells::new(&places, &frame);
+        // Points that crowd in a corner are refused before each is compared with all beside it.
+        let of_all = extrapolated(&cells, &frame, places.len(), budget)?;
+        if let Some(extrapolated) = of_all.filter(|part| part.share > MOST_EXTRAPOLATED) {
+            return Err(PointFitError::MostlyExtrapolated { extrapolated });
+        }
         let left_out = self.outliers(&frame, &cells, &places, budget)?;
         let kept = kept(points.len(), &left_out);
         let rise = 2.0 * self.allowed();

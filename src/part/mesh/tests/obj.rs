@@ -36,6 +36,13 @@ fn every_way_of_naming_a_corner_gives_the_same_pyramid() {
     }
 }
 
+/// A backslash at the end of a comment, or on a line of its own, joins no lines.
+#[test]
+fn a_comment_that_ends_with_a_backslash_swallows_nothing() {
+    let faces = "f 4 3 2 1\nf 1 2 5\n# from C:\\parts\\\nf 2 3 5\nf 3 4 5\nf 4 1 5";
+    assert_eq!(read_obj(&pyramid(faces)).triangles.len(), 6);
+}
+
 #[test]
 fn a_face_may_stand_before_its_vertices() {
     let text = cube();

@@ -10,6 +10,9 @@ use crate::left_out::LeftOuts;
 use crate::mesh::{STEPS_PER_CHECK, is_coordinate};
 use crate::unit::Unit;
 
+/// Most objects that are placed. Assemblies of assemblies may name more without end in a small file.
+pub const MOST_PLACED: usize = 1_000_000;
+
 /// The namespaces of elements and attributes that are read.
 const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
@@ -79,8 +82,16 @@ pub fn read(
         Some(other) => return Err(tags.fault(&format!("\"{other}\" is no unit of 3MF"))),
     };
     let model = Model { unit, objects: BTreeMap::new(), build: Vec::new() };
-    let mut reading =
-        ModelReading { names, model, n_left: most_triangles, left_out, listed: Vec::new(), budget };
+    let mut reading = ModelReading {
+        names,
+        model,
+        n_left: most_triangles,
+        left_out,
+        listed: Vec::new(),
+        n_placed: 0,
+        n_passed: 0,
+        budget,
+    };
     tags.children(|tags, start| match reading.names.core(&start) {
         Some("resources") => tags.children(|tags, start| match reading.names.core(&start) {
             Some("object") => reading.object(tags, &start),
@@ -88,6 +99,7 @@ pub fn read(
         }),
         Some("build") => tags.children(|tags, start| match reading.names.core(&start) {
             Some("item") => {
+                reading.count(tags)?;
                 let item = reading.names.component(&start, tags)?;
                 reading.model.build.push(item);
                 tags.skip(&start)
@@ -183,11 +195,16 @@ struct ModelReading<'r> {
     left_out: &'r mut LeftOuts,
     /// The names of elements that are listed as left out.
     listed: Vec<String>,
+    /// Objects, components and items that were read.
+    n_placed: usize,
+    /// Elements that were passed over.
+    n_passed: usize,
     budget: &'r Budget,
 }
 
 impl ModelReading<'_> {
     fn object<'a>(&mut self, tags: &mut Tags<'a>, start: &Start<'a>) -> Result<(), Unreadable> {
+        self.count(tags)?;
         let id = attribute(start, "", "id", tags)?.and_then(|id| id.trim().parse::<u32>().ok());
         let id = id.ok_or_else(|| tags.fault("an object has no number"))?;
         let kind = attribute(start, "", "type", tags)?;
@@ -197,6 +214,7 @@ impl ModelReading<'_> {
             Some("mesh") => self.mesh(tags, &mut object),
             Some("components") => tags.children(|tags, start| match self.names.core(&start) {
                 Some("component") => {
+                    self.count(tags)?;
                     object.components.push(self.names.component(&start, tags)?);
                     tags.skip(&start)
                 }
@@ -234,6 +252,17 @@ impl ModelReading<'_> {
         })
     }
 
+    /// Counts an object, a component or an item.
+    fn count(&mut self, tags: &Tags) -> Result<(), Unreadable> {
+        self.n_placed += 1;
+        self.check_budget(self.n_placed)?;
+        if self.n_placed > MOST_PLACED {
+            let detail = format!("there are more than {MOST_PLACED} objects, components and items");
+            return Err(tags.fault(&detail));
+        }
+        Ok(())
+    }
+
     fn check_budget(&self, n: usize) -> Result<(), Unreadable> {
         if n.is_multiple_of(STEPS_PER_CHECK) {
             self.budget.check()?;
@@ -243,6 +272,8 @@ impl ModelReading<'_> {
 
     /// Passes over an element that is not read.
     fn leave_out<'a>(&mut self, tags: &mut Tags<'a>, start: &Start<'a>) -> Result<(), Unreadable> {
+        self.n_passed += 1;
+        self.check_budget(self.n_passed)?;
         let (_, name) = start.name();
         let is_listed = self.listed.iter().any(|listed| listed == name);
         let kind = if is_listed || self.listed.len() < MOST_NAMES { name } else { "element" };

@@ -5,16 +5,13 @@ use std::collections::HashSet;
 use toolpathd_core::budget::Budget;
 
 use super::document::Models;
-use super::model::{Component, Object, determinant};
+use super::model::{Component, MOST_PLACED, Object, determinant};
 use crate::fault::{Place, Unreadable};
 use crate::mesh::STEPS_PER_CHECK;
 use crate::mesh::welding::Welding;
 
 /// Most objects within each other. A deeper object contains itself, or no program wrote the file.
 const DEEPEST: usize = 64;
-
-/// Most objects that are placed. Assemblies of assemblies may name more without end in a small file.
-const MOST_PLACED: usize = 1_000_000;
 
 /// Adds all objects of the build.
 ///
@@ -83,6 +80,13 @@ impl<'p> Placing<'p> {
     /// Adds the triangles of an object. A vertex that no triangle uses takes no memory, however often the
     /// object is placed.
     fn mesh(&mut self, object: &Object, rows: &Rows, place: Place) -> Result<(), Unreadable> {
+        self.budget.check()?;
+        if object.triangles.is_empty() {
+            let n_loose = object.vertices.len();
+            self.welding.left_out.add_many("vertex", "no triangle uses it", n_loose, place);
+            self.welding.end_object();
+            return Ok(());
+        }
         let is_mirrored = determinant(rows) < 0.0;
         let mut vertices = vec![None; object.vertices.len()];
         for (k, corners) in object.triangles.iter().enumerate() {

@@ -20,6 +20,7 @@ use super::plan::{self, NoPlan, PlanEdge};
 use crate::drawing::bulge;
 use crate::step::curve::Curve;
 use crate::step::model::{Edge, Face};
+use crate::step::piece::spread;
 
 /// The area within the loops may differ from that of the faces by this part of the area.
 const SAME_AREA: f64 = 1e-6;
@@ -61,9 +62,8 @@ pub struct HalfEdge {
     pub key: EdgeKey,
     is_forward: bool,
     pub plan: PlanEdge,
-    /// A place on the edge, and the direction of the edge there, mm per unit of its parameter.
-    pub middle: Point3<f64>,
-    pub along: Vector3<f64>,
+    /// Places on the edge, and the direction of the edge there, mm per unit of its parameter.
+    pub places: Vec<(Point3<f64>, Vector3<f64>)>,
     /// The next half edge of the face.
     next: usize,
 }
@@ -137,9 +137,12 @@ fn push_face(
             let (key, is_forward) = EdgeKey::of(&one.edges, k);
             let entity = if edge.entity > 0 { edge.entity } else { face.entity };
             let plan = plan::plan(edge, tolerance_mm, budget).map_err(|reason| (entity, reason))?;
-            let (middle, slope) = edge.curve.jet((edge.from + edge.to) / 2.0);
-            let along = if edge.from < edge.to { slope } else { -slope };
-            ring.push(HalfEdge { face: number, key, is_forward, plan, middle, along, next: 0 });
+            let place = |at: f64| {
+                let (point, slope) = edge.curve.jet(at);
+                (point, if edge.from < edge.to { slope } else { -slope })
+            };
+            let places = spread(edge).into_iter().map(place).collect();
+            ring.push(HalfEdge { face: number, key, is_forward, plan, places, next: 0 });
         }
         rings.push((bulge::area(&vertices(&ring)), ring));
     }
@@ -159,7 +162,7 @@ fn turned(ring: Vec<HalfEdge>) -> Vec<HalfEdge> {
     let turn = |half: HalfEdge| HalfEdge {
         is_forward: !half.is_forward,
         plan: plan::reversed(&half.plan),
-        along: -half.along,
+        places: half.places.iter().map(|(place, along)| (*place, -along)).collect(),
         ..half
     };
     ring.into_iter().rev().map(turn).collect()

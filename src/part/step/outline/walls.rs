@@ -1,6 +1,9 @@
 //! What stands beside the edges of level faces that look up.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use nalgebra::{Point3, Vector3};
 
 use super::rings::{EdgeKey, HalfEdge};
 use crate::step::model::{Body, Face, Loop};
@@ -25,6 +28,8 @@ pub struct Beside {
 /// The faces of a body with the faces at each edge.
 pub struct Surroundings<'a> {
     faces: &'a [Face],
+    /// The faces of the body.
+    body: Range<usize>,
     by_edge: BTreeMap<EdgeKey, Vec<usize>>,
 }
 
@@ -36,38 +41,50 @@ impl<'a> Surroundings<'a> {
                 by_edge.entry(key).or_default().push(number);
             }
         }
-        Self { faces, by_edge }
+        Self { faces, body: body.faces.clone(), by_edge }
     }
 
     /// What stands beside a half edge of a level face at a height.
     pub fn beside(&self, half: &HalfEdge, height_mm: f64) -> Beside {
         let others = self.by_edge.get(&half.key).into_iter().flatten().filter(|face| **face != half.face);
         for number in others.copied() {
-            let (rise, lean) = self.slope(number, half);
+            let slopes: Vec<(f64, f64)> = half.places.iter().map(|at| self.slope(number, at)).collect();
+            let rises = slopes.iter().any(|(rise, _)| *rise > LEAST_SINE);
             let [low, high] = self.faces[number].bounds_mm.map(|corner| corner.z - height_mm);
             let is_wall = match (low < -SAME_HEIGHT_MM, high > SAME_HEIGHT_MM) {
                 (false, is_higher) => is_higher,
                 (true, false) => false,
-                (true, true) => rise > LEAST_SINE,
+                (true, true) => rises,
             };
             if is_wall {
-                return Beside { wall: Some(number), is_leaning: lean > LEAST_SINE };
+                let is_leaning = slopes.iter().any(|(_, lean)| *lean > LEAST_SINE);
+                return Beside { wall: Some(number), is_leaning };
             }
         }
         Beside { wall: None, is_leaning: false }
     }
 
-    /// The direction of a face away from an edge: its part along z, and its part towards the level face.
-    fn slope(&self, number: usize, half: &HalfEdge) -> (f64, f64) {
+    /// The direction of a face away from an edge at a place of it: its part along z, and its part towards the
+    /// level face. Where it is not known, the face is taken to go up.
+    fn slope(&self, number: usize, (place, along): &(Point3<f64>, Vector3<f64>)) -> (f64, f64) {
         let face = &self.faces[number];
-        let at = ParameterSearch::new(&face.surface).of(&half.middle, None);
-        let (Some(normal), Some(along)) = (face.normal(at), half.along.try_normalize(f64::MIN_POSITIVE))
-        else {
-            return (0.0, 0.0);
+        let at = ParameterSearch::new(&face.surface).of(place, None);
+        let (Some(normal), Some(along)) = (face.normal(at), along.try_normalize(f64::MIN_POSITIVE)) else {
+            return (1.0, 0.0);
         };
         // The faces of a solid pass their edge in opposite directions, each with its inside to the left.
         let away = along.cross(&normal);
         (away.z, away.y * along.x - away.x * along.y)
+    }
+
+    /// Whether a face of the body, seen from above, lies within a box and reaches above a height.
+    pub fn stands_within(&self, [low, high]: [[f64; 2]; 2], height_mm: f64) -> bool {
+        self.body.clone().any(|number| {
+            let [min, max] = self.faces[number].bounds_mm;
+            let is_within =
+                (0..2).all(|c| min[c] >= low[c] - SAME_HEIGHT_MM && max[c] <= high[c] + SAME_HEIGHT_MM);
+            is_within && max.z > height_mm + SAME_HEIGHT_MM
+        })
     }
 
     /// The height at which walls end that go up from a height, if all of them end at one.

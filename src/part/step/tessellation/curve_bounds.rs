@@ -76,7 +76,10 @@ impl CurveBounds {
         let farthest = from.abs().max(to.abs());
         match &self.form {
             Form::Even(bounds) => *bounds,
-            Form::Hyperbola([a, b]) => [a.max(*b) * farthest.cosh(); 2],
+            Form::Hyperbola([a, b]) => {
+                let (sinh, cosh) = (farthest.sinh(), farthest.cosh());
+                [(a * sinh).hypot(b * cosh), (a * cosh).hypot(b * sinh)]
+            }
             Form::Parabola(f) => [2.0 * f * farthest.hypot(1.0), 2.0 * f],
             Form::Spans(spans) => {
                 let mut most = [0.0_f64; 2];

@@ -308,7 +308,10 @@ impl<'a> Fill<'a> {
             }
             let centre = face.circumcenter();
             let middle = face.center();
-            let is_seen = self.mesh.get_conflicting_edges_between_points(middle, centre).next().is_none();
+            // Corners nearly on one line have no centre.
+            let has_centre = centre.x.is_finite() && centre.y.is_finite();
+            let is_seen =
+                has_centre && self.mesh.get_conflicting_edges_between_points(middle, centre).next().is_none();
             let is_in = is_seen
                 && match self.mesh.locate_with_hint(centre, face.vertices()[0].fix()) {
                     PositionInTriangulation::OnFace(found) => {

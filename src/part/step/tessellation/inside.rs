@@ -8,6 +8,9 @@ use super::surface_bounds::{Rectangle, rectangle};
 /// The most strips.
 const MOST_STRIPS: usize = 1 << 14;
 
+/// The strips that a side touches on the average, about.
+const TOUCHED: f64 = 8.0;
+
 /// Polygons, ready to be asked about many places.
 pub struct Inside {
     sides: Vec<[[f64; 2]; 2]>,
@@ -23,7 +26,12 @@ impl Inside {
             .flat_map(|polygon| (0..polygon.len()).map(|k| [polygon[k], polygon[(k + 1) % polygon.len()]]))
             .collect();
         let range = rectangle(&polygons.concat())[1];
-        let n = (sides.len() / 2).clamp(1, MOST_STRIPS);
+        // Long sides touch many strips: there are so few of these that all lists together stay short.
+        let height = range[1] - range[0];
+        let climbed: f64 = sides.iter().map(|[a, b]| (b[1] - a[1]).abs()).sum::<f64>() / height;
+        let most = TOUCHED * sides.len() as f64 / climbed;
+        let most = if most.is_finite() { most as usize } else { 1 };
+        let n = (sides.len() / 2).min(most).clamp(1, MOST_STRIPS);
         let mut inside = Self { sides, strips: vec![Vec::new(); n], range };
         for k in 0..inside.sides.len() {
             let [a, b] = inside.sides[k];

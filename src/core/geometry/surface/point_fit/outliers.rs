@@ -141,9 +141,12 @@ impl Judge<'_> {
         judged: impl Fn(&Self, usize) -> Option<T> + Sync,
     ) -> Result<Vec<Option<T>>, Stopped> {
         let chunks: Vec<&[usize]> = points.chunks(CHUNK).collect();
-        let results = budget.in_order(chunks.len(), |c| {
+        let judged_one = |k: &usize| {
             budget.check()?;
-            Ok(chunks[c].iter().map(|k| judged(self, *k)).collect::<Vec<_>>())
+            Ok(judged(self, *k))
+        };
+        let results = budget.in_order(chunks.len(), |c| {
+            chunks[c].iter().map(judged_one).collect::<Result<Vec<_>, Stopped>>()
         })?;
         Ok(results.into_iter().flatten().collect())
     }

@@ -45,7 +45,8 @@ pub struct OutlineReport {
 #[derive(Serialize, ToSchema)]
 struct InnerReport {
     /// `island`: walls go up all along it. `opening`: from none of its edges, as at a hole or at a deeper
-    /// pocket; nothing stands there. `mixed`: from some. Present where `is_up` is true.
+    /// pocket, and nothing stands higher inside. `mixed`: from some, or something stands higher inside. Present
+    /// where `is_up` is true.
     #[serde(skip_serializing_if = "Option::is_none")]
     kind: Option<InnerKind>,
     /// Its vertices, counterclockwise, as an element of `islands` of a region takes them, in mm.
@@ -118,6 +119,7 @@ impl InnerReport {
         let kind = match ring.walled() {
             Walled::All => InnerKind::Island,
             Walled::Some => InnerKind::Mixed,
+            Walled::None if ring.holds_higher => InnerKind::Mixed,
             Walled::None => InnerKind::Opening,
         };
         Self {

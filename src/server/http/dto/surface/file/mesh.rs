@@ -13,6 +13,9 @@ use toolpathd_part::mesh::{self, MeshFile, MeshFormat};
 use toolpathd_part::step::Model;
 use toolpathd_part::step::tessellation::{self, FaceTriangles, Untessellated};
 
+/// Distance from its plane, mm, up to which a corner of a face counts as in the plane.
+const FLAT_MM: f64 = 1e-6;
+
 /// The mesh of a file of triangles; `None` with a violation where there is none.
 pub fn of_file(
     file: &Reference,
@@ -21,9 +24,18 @@ pub fn of_file(
     reading: &mut FileReading,
 ) -> Option<Arc<TriangleMesh>> {
     let read = mesh::read(format, bytes, reading.limits.mesh_triangles, reading.budget);
-    let MeshFile { unit, vertices, mut triangles, slivers, left_out, .. } = file.read(read, reading)?;
+    let MeshFile { unit, vertices, mut triangles, slivers, left_out, off_plane_max, .. } =
+        file.read(read, reading)?;
     let mm = file.mm(unit, reading)?;
     file.tell_left_out(&left_out, reading);
+    if off_plane_max * mm > FLAT_MM {
+        let detail = format!(
+            "faces of `{}` with more than three corners are not flat, by up to {:.6} mm: other programs may cut them into other triangles",
+            file.name,
+            off_plane_max * mm
+        );
+        reading.warn(file.at, WarningCode::SurfaceOfTriangles, detail);
+    }
     // Slivers have no area, but they join the triangles around them.
     triangles.extend(slivers);
     of_triangles(file, vertices, triangles, mm, 0.0, reading)

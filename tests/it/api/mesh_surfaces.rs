@@ -188,6 +188,7 @@ async fn what_is_wrong_with_a_mesh_is_told_at_its_members() {
     };
     for (job, text, code, pointer) in [
         (job(json!({ "kind": "file", "name": "step.stl" })), step_stl(), "unit_missing", "#/surface/name"),
+        (named(json!({ "name": "n".repeat(201) })), step_stl(), "limit_exceeded", "#/surface/name"),
         (named(json!({ "faces": [1] })), step_stl(), "conflict", "#/surface/faces"),
         (named(json!({ "grid_within_mm": 1 })), step_stl(), "conflict", "#/surface/grid_within_mm"),
         (named(json!({})), "solid a\n".to_owned(), "unreadable_file", "#/surface/name"),

@@ -4,6 +4,7 @@ use axum::body::Bytes;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::check::Violations;
 use crate::config::Limits;
 use crate::http::decode::files::FileReading;
 use crate::http::error::FieldCode;
@@ -127,6 +128,17 @@ impl Reference<'_> {
 /// The sentence about a file that states another unit than the request.
 pub fn units_overridden(name: &str, stated: Unit, sent: Unit) -> String {
     format!("`{name}` states {}, and is read in {}, as `units` says", words(stated), words(sent))
+}
+
+/// The most characters of the name of a layer.
+const LONGEST_LAYER: usize = 255;
+
+/// Refuses a name of a layer that is too long.
+pub fn check_layer(at: &Pointer, layer: Option<&str>, violations: &mut Violations) {
+    if layer.is_some_and(|layer| layer.chars().count() > LONGEST_LAYER) {
+        let detail = format!("the name of a layer has at most {LONGEST_LAYER} characters");
+        violations.add(at, FieldCode::LimitExceeded, detail);
+    }
 }
 
 /// Most curves of a drawing for each vertex that an outline may have.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::check::Violations;
-use super::file::{FileUnits, Reference};
+use super::file::{FileUnits, Reference, check_layer};
 use super::meta::{self, Meta, MetaTexts};
 use super::outline::{CURVE_TOLERANCE_MM, CURVE_TOLERANCES, GAP_MM, GAPS};
 use crate::config::Limits;
@@ -102,6 +102,7 @@ impl IntoJob for InspectRequest {
         let Self { file: _, units, layer, gap_mm, curve_tolerance_mm, meta, found } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
+        check_layer(&root.field("layer"), layer.as_deref(), &mut violations);
         violations.optional(&root.field("gap_mm"), gap_mm, GAPS, "mm");
         violations.optional(&root.field("curve_tolerance_mm"), curve_tolerance_mm, CURVE_TOLERANCES, "mm");
         meta::check(meta.as_ref(), &mut violations);

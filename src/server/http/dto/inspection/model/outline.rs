@@ -45,8 +45,8 @@ pub struct OutlineReport {
 #[derive(Serialize, ToSchema)]
 struct InnerReport {
     /// `island`: walls go up all along it. `opening`: from none of its edges, as at a hole or at a deeper
-    /// pocket, and nothing stands higher inside. `mixed`: from some, or something stands higher inside. Present
-    /// where `is_up` is true.
+    /// pocket, and nothing stands higher inside. `mixed`: from some, or something stands higher inside.
+    /// Present where `is_up` is true.
     #[serde(skip_serializing_if = "Option::is_none")]
     kind: Option<InnerKind>,
     /// Its vertices, counterclockwise, as an element of `islands` of a region takes them, in mm.

@@ -91,7 +91,6 @@ fn row(name: &str, source: &Source, stepover_mm: f64, cutter: &str, shape: Shape
         AnySurface::Bicubic(surface) => steps(surface.upward(), &job, &planes, &all),
         AnySurface::Rational(surface) => steps(surface.upward(), &job, &planes, &all),
         AnySurface::HighDegree(surface) => steps(surface.upward(), &job, &planes, &all),
-        AnySurface::Triangles(surface) => steps(surface.upward(), &job, &planes, &all),
     };
     println!(
         "| {name} | {cutter} | {cuts:.2} | {:.3} | {:.3} | {:.3} | {:.1} |",

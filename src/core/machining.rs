@@ -27,7 +27,6 @@ pub mod cutter;
 pub mod drop_cutter;
 pub mod engagement;
 pub mod gouge;
-pub mod mesh_contact;
 pub mod offset_section;
 pub mod prism;
 pub mod regularity;

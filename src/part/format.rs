@@ -1,14 +1,10 @@
 //! The format of a file, by its contents, and by its name where the contents do not tell.
 
-use super::mesh::{self, MeshFormat};
-
 /// A format of files of parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// A drawing of AutoCAD, as text or binary.
     Dxf,
-    /// Triangles.
-    Mesh(MeshFormat),
     /// A text of points.
     Points,
     /// ISO 10303-21.
@@ -24,20 +20,18 @@ impl Format {
     /// The format of a file with this name.
     pub fn of(name: &str, bytes: &[u8]) -> Self {
         let head = &bytes[..bytes.len().min(HEAD)];
-        Self::by_mark(head).or_else(|| Self::by_name(name)).unwrap_or_else(|| Self::by_text(bytes))
+        Self::by_mark(head).or_else(|| Self::by_name(name)).unwrap_or_else(|| Self::by_text(head))
     }
 
     /// By a mark at the beginning of the file.
     fn by_mark(head: &[u8]) -> Option<Self> {
         let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
-        let marks: [(&[u8], Self); 8] = [
+        let marks: [(&[u8], Self); 7] = [
             (b"AutoCAD Binary DXF", Self::Dxf),
             (b"ISO-10303-21", Self::Step),
             (b"AC10", Self::Other("DWG")),
-            // Its reader tells a ZIP archive that holds no model.
-            (b"PK\x03\x04", Self::Mesh(MeshFormat::ThreeMf)),
-            (b"ply\n", Self::Mesh(MeshFormat::Ply)),
-            (b"ply\r", Self::Mesh(MeshFormat::Ply)),
+            (b"PK\x03\x04", Self::Other("ZIP (3MF)")),
+            (b"ply", Self::Other("PLY")),
             (b"%PDF", Self::Other("PDF")),
             (b"glTF", Self::Other("glTF")),
         ];
@@ -52,42 +46,25 @@ impl Format {
             "step" | "stp" | "p21" => Self::Step,
             "csv" | "xyz" | "txt" | "asc" | "pts" | "dat" | "tsv" => Self::Points,
             "igs" | "iges" => Self::Other("IGES"),
-            "stl" => Self::Mesh(MeshFormat::Stl),
-            "obj" => Self::Mesh(MeshFormat::Obj),
+            "stl" => Self::Other("STL"),
+            "obj" => Self::Other("OBJ"),
             "dwg" => Self::Other("DWG"),
-            "3mf" => Self::Mesh(MeshFormat::ThreeMf),
-            "ply" => Self::Mesh(MeshFormat::Ply),
+            "3mf" => Self::Other("3MF"),
+            "ply" => Self::Other("PLY"),
             _ => return None,
         })
     }
 
-    /// By the kind of text: IGES has sections in column 73, STL begins with solids, OBJ with vertices, and
-    /// numbers are points. A binary STL file has the length that it states.
-    fn by_text(bytes: &[u8]) -> Self {
-        let head = &bytes[..bytes.len().min(HEAD)];
-        if mesh::is_stl(bytes) {
-            return Self::Mesh(MeshFormat::Stl);
-        }
+    /// By the kind of text: IGES has sections in column 73, STL begins with `solid`; numbers are points.
+    fn by_text(head: &[u8]) -> Self {
         if head.len() > 80 && head[72] == b'S' && head[..80].is_ascii() {
             return Self::Other("IGES");
         }
-        if begins_as_obj(head) {
-            return Self::Mesh(MeshFormat::Obj);
+        if head.starts_with(b"solid") {
+            return Self::Other("STL");
         }
         let is_text = head.iter().all(|byte| *byte >= b' ' || byte.is_ascii_whitespace());
         if is_text { Self::Points } else { Self::Other("an unknown format") }
-    }
-}
-
-/// Whether the first line that is no remark is a statement of OBJ that stands before or at the first vertex.
-fn begins_as_obj(head: &[u8]) -> bool {
-    let head = String::from_utf8_lossy(head);
-    let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
-    let mut first = lines.next().unwrap_or_default().split_ascii_whitespace();
-    match first.next() {
-        Some("mtllib" | "o" | "g") => true,
-        Some("v") => first.filter(|word| word.parse::<f64>().is_ok()).count() >= 3,
-        _ => false,
     }
 }
 
@@ -116,28 +93,13 @@ mod tests {
             ("a.dat", "ISO-10303-21;\nHEADER;", Format::Step),
             ("a.csv", "x;y;z\n1;2;3", Format::Points),
             ("a", "1 2 3\n4 5 6\n", Format::Points),
-            ("a.stl", "solid a\n", Format::Mesh(MeshFormat::Stl)),
-            ("a", "solid a\r\n facet normal 0 0 1\n", Format::Mesh(MeshFormat::Stl)),
-            ("a", "solid ground\n1 2 3\n", Format::Points),
-            ("a.3mf", "PK\x03\x04", Format::Mesh(MeshFormat::ThreeMf)),
-            ("a.OBJ", "1 2 3\n", Format::Mesh(MeshFormat::Obj)),
-            ("a", "# a remark\n\nv 1 2 3\nv 1 2 4\n", Format::Mesh(MeshFormat::Obj)),
-            ("a", "v t a\n1 2 3\n", Format::Points),
-            ("a.txt", "ply\nformat ascii 1.0\n", Format::Mesh(MeshFormat::Ply)),
-            ("a.txt", "plywood\n1 2 3\n", Format::Points),
+            ("a.stl", "solid a\n", Format::Other("STL")),
+            ("a", "solid a\n", Format::Other("STL")),
+            ("a.3mf", "PK\x03\x04", Format::Other("ZIP (3MF)")),
             ("a.bin", "\0\u{1}\u{2}", Format::Other("an unknown format")),
             ("", "", Format::Points),
         ] {
-            assert_eq!(Format::of(name, bytes.as_bytes()), format, "{name}: {bytes}");
+            assert_eq!(Format::of(name, bytes.as_bytes()), format, "{name}");
         }
-    }
-
-    #[test]
-    fn a_binary_stl_file_has_the_length_that_it_states() {
-        let mut bytes = vec![0; 84 + 2 * 50];
-        bytes[80] = 2;
-        assert_eq!(Format::of("a", &bytes), Format::Mesh(MeshFormat::Stl));
-        bytes[80] = 1;
-        assert_eq!(Format::of("a", &bytes), Format::Other("an unknown format"));
     }
 }

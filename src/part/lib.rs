@@ -11,7 +11,6 @@ pub mod dxf;
 pub mod fault;
 pub mod format;
 pub mod left_out;
-pub mod mesh;
 pub mod points;
 pub mod step;
 pub mod unit;

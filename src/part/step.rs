@@ -24,11 +24,9 @@
 pub mod curve;
 pub mod frame;
 pub mod model;
-pub mod outline;
 pub mod spline_curve;
 pub mod spline_surface;
 pub mod surface;
-pub mod tessellation;
 
 mod area;
 mod assembly;

@@ -97,25 +97,12 @@ fn trace(
 ) -> Option<Vec<Layer>> {
     let mut pens = Pens::new(raster_mm);
     let is_within = |pens: &Pens| pens.bytes() <= max_bytes;
-    let Drawing {
-        relief,
-        surface,
-        walls,
-        curve,
-        uncut,
-        band,
-        joints,
-        poses,
-        tool_axes,
-        solids,
-        edges,
-        findings,
-    } = scene.drawing;
+    let Drawing { relief, surface, walls, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
+        scene.drawing;
     let sides = relief.as_ref().map(sides).unwrap_or_default();
     let polylines = [
         (Class::Band, band),
         (Class::Solid, solids),
-        (Class::Edge, edges),
         (Class::Wire, &sides),
         (Class::Wall, walls),
         (Class::Wire, surface),

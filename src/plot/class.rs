@@ -9,7 +9,6 @@ use toolpathd_core::toolpath::Role;
 pub enum Class {
     Band,
     Solid,
-    Edge,
     Wall,
     Wire,
     ToolAxis,
@@ -27,10 +26,9 @@ pub enum Class {
 }
 
 impl Class {
-    pub const ALL: [Class; 17] = [
+    pub const ALL: [Class; 16] = [
         Class::Band,
         Class::Solid,
-        Class::Edge,
         Class::Wall,
         Class::Wire,
         Class::ToolAxis,
@@ -52,7 +50,6 @@ impl Class {
         match self {
             Class::Band => "band",
             Class::Solid => "body-edge",
-            Class::Edge => "part-edge",
             Class::Wall => "wall",
             Class::Wire => "wire",
             Class::ToolAxis => "tool-axis",
@@ -75,7 +72,6 @@ impl Class {
         match self {
             Class::Band => "band",
             Class::Solid => "stock, walls, fixtures",
-            Class::Edge => "edge of the part",
             Class::Wall => "wall, island",
             Class::Wire => "surface",
             Class::ToolAxis => "tool axis, at even times",
@@ -99,7 +95,6 @@ impl Class {
         match self {
             Class::Band => "stroke:#8a8a8a;stroke-width:.13;stroke-dasharray:1 .6;stroke-linecap:butt",
             Class::Solid => "stroke:#6a4a2a;stroke-width:.25;stroke-dasharray:3 .8 .4 .8;stroke-linecap:butt",
-            Class::Edge => "stroke:#000;stroke-width:.18",
             Class::Wall => "stroke:#000;stroke-width:.25",
             Class::Wire => "stroke:#8a8a8a;stroke-width:.13",
             Class::ToolAxis => "stroke:#c7895b;stroke-width:.18",

@@ -106,8 +106,6 @@ pub struct Drawing {
     pub tool_axes: Vec<Vec<Point3<f64>>>,
     /// Outlines of the stock, of walls and of fixtures.
     pub solids: Vec<Vec<Point3<f64>>>,
-    /// Edges of the faces of a part.
-    pub edges: Vec<Vec<Point3<f64>>>,
     /// Places where something is wrong. They are drawn over everything else.
     pub findings: Vec<Point3<f64>>,
 }
@@ -125,8 +123,7 @@ impl Drawing {
     fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
         let shaded = self.relief.iter().flat_map(Mesh::points);
         let lines = self.surface.iter().chain(&self.curve).chain(&self.uncut).chain(&self.band);
-        let all =
-            lines.chain(&self.tool_axes).chain(&self.solids).chain(&self.edges).chain(&self.walls).flatten();
+        let all = lines.chain(&self.tool_axes).chain(&self.solids).chain(&self.walls).flatten();
         all.chain(&self.joints).chain(&self.poses).chain(&self.findings).chain(shaded)
     }
 }
@@ -239,24 +236,11 @@ fn is_block(toolpath: &Toolpath, scale: f64) -> bool {
 fn trace(scene: &Scene, layout: &Layout, raster_mm: Option<f64>, max_bytes: usize) -> Option<Paths> {
     let mut pens = [(); 3].map(|()| Pens::new(raster_mm));
     let is_within = |pens: &[Pens; 3]| pens.iter().map(Pens::bytes).sum::<usize>() <= max_bytes;
-    let Drawing {
-        relief: _,
-        surface,
-        walls,
-        curve,
-        uncut,
-        band,
-        joints,
-        poses,
-        tool_axes,
-        solids,
-        edges,
-        findings,
-    } = scene.drawing;
+    let Drawing { relief: _, surface, walls, curve, uncut, band, joints, poses, tool_axes, solids, findings } =
+        scene.drawing;
     let polylines = [
         (Class::Band, band),
         (Class::Solid, solids),
-        (Class::Edge, edges),
         (Class::Wall, walls),
         (Class::Wire, surface),
         (Class::ToolAxis, tool_axes),

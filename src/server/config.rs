@@ -118,10 +118,6 @@ pub struct Settings {
     #[arg(long, env = "TOOLPATHD_MAX_SURFACE_POINTS", default_value_t = Limits::DEFAULT.surface_points, global = true)]
     pub max_surface_points: usize,
 
-    /// Most triangles of a mesh
-    #[arg(long, env = "TOOLPATHD_MAX_MESH_TRIANGLES", default_value_t = Limits::DEFAULT.mesh_triangles, global = true)]
-    pub max_mesh_triangles: usize,
-
     /// Most points or knots of a curve
     #[arg(long, env = "TOOLPATHD_MAX_CURVE_POINTS", default_value_t = Limits::DEFAULT.curve_points, global = true)]
     pub max_curve_points: usize,
@@ -274,7 +270,6 @@ impl Settings {
         Limits {
             body_bytes: self.body_limit,
             surface_points: self.max_surface_points,
-            mesh_triangles: self.max_mesh_triangles,
             curve_points: self.max_curve_points,
             elements: self.max_elements,
             drop_points: self.max_drop_points,

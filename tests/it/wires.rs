@@ -121,7 +121,6 @@ fn cut(surface: &AnySurface, along: Along, pitch_mm: f64) -> Result<Vec<Wire>, W
         AnySurface::Bicubic(surface) => wires(surface, &job, &budget),
         AnySurface::Rational(surface) => wires(surface, &job, &budget),
         AnySurface::HighDegree(surface) => wires(surface, &job, &budget),
-        AnySurface::Triangles(surface) => wires(surface, &job, &budget),
     }
 }
 

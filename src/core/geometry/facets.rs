@@ -43,7 +43,6 @@ impl AnySurface {
             Self::Bicubic(surface) => facets(surface, chord_mm, most),
             Self::Rational(surface) => facets(surface, chord_mm, most),
             Self::HighDegree(surface) => facets(surface, chord_mm, most),
-            Self::Triangles(surface) => facets(surface, chord_mm, most),
         }
     }
 }

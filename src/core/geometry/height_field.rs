@@ -118,7 +118,6 @@ impl HeightField {
             AnySurface::Bicubic(surface) => divisions(surface, deviation_mm),
             AnySurface::Rational(surface) => divisions(surface, deviation_mm),
             AnySurface::HighDegree(surface) => divisions(surface, deviation_mm),
-            AnySurface::Triangles(surface) => divisions(surface, deviation_mm),
         };
         let counts = divisions.each_ref().map(|counts| counts.iter().sum::<f64>());
         if 2.0 * counts[0] * counts[1] > MOST_TRIANGLES as f64 {

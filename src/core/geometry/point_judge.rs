@@ -151,16 +151,6 @@ pub fn judge_heights(spacing_mm: f64, heights: &[Vec<f64>]) -> Verdict {
     verdict
 }
 
-/// The points, by their places in a list in any order, with a number that stands for a missing value.
-pub fn missing_values(points: &[Point3<f64>]) -> Vec<(usize, Fault)> {
-    let faults = missing::missing(&[points.to_vec()], &[0, 1, 2], &mut 0);
-    let place = |fault: Fault| match fault {
-        Fault::Missing { place: [_, k], .. } => Some((k, fault)),
-        _ => None,
-    };
-    faults.into_iter().filter_map(place).collect()
-}
-
 fn is_grid(rows: &[Vec<Point3<f64>>]) -> bool {
     let columns = rows.first().map_or(0, Vec::len);
     rows.len() >= 2

@@ -15,12 +15,10 @@ pub mod nurbs;
 pub mod offset;
 pub mod parallel_sweep;
 pub mod patch;
-pub mod point_fit;
 pub mod point_grid;
 pub mod ruled;
 pub mod source;
 pub mod topology;
-pub mod triangle_mesh;
 pub mod vector_ball;
 
 mod hermite;

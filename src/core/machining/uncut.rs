@@ -83,7 +83,7 @@ pub struct Wanted {
     pub grain_mm: f64,
     /// Parts of this size or smaller are not halved, mm.
     pub smallest_mm: f64,
-    /// The most parts of the search. A part that is not halved any more has the bound that
+    /// The most parts of the search, shared out evenly. A part that is not halved any more has the bound that
     /// is known.
     pub part_limit: usize,
 }

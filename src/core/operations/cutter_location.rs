@@ -5,8 +5,7 @@
 //! 2. Divide the ordered points into groups, and the groups among threads. The size of a group does not
 //!    depend on the number of threads.
 //! 3. Drop the cutter at each point ([`drop_cutter`](crate::machining::drop_cutter)). If the previous point
-//!    of the group is near, its contact is the start of the search. On a mesh, the tip is known in closed
-//!    form ([`mesh_contact`](crate::machining::mesh_contact)).
+//!    of the group is near, its contact is the start of the search.
 //!
 //! # Guarantees
 //! The true tip is at the reported tip, or higher by at most [`Location::gap_mm`].
@@ -21,7 +20,6 @@ use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::source::{Source, SourceError};
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::drop_cutter::{Contact, Contacts};
-use crate::machining::mesh_contact::{MeshContact, MeshContacts};
 use crate::toolpath::tool::Tool;
 
 /// The number of points in a group, which one thread handles in order.
@@ -112,21 +110,11 @@ pub enum Error {
 /// assert!((location.contact - Point3::new(25.0, 20.0, 12.5)).norm() < 1e-6);
 /// ```
 pub fn locate(job: &Job, budget: &Budget) -> Result<Vec<Option<Location>>, Error> {
-    if let Source::Mesh(mesh) = &job.surface {
-        let contacts = MeshContacts::new(mesh, job.tool.cutter());
-        return locate_groups(job, &|points| Ok(points.map(|at| on_mesh(&contacts, at)).collect()), budget);
-    }
     match job.surface.surface()? {
         AnySurface::Bicubic(surface) => locate_on(&surface, job, budget),
         AnySurface::Rational(surface) => locate_on(&surface, job, budget),
         AnySurface::HighDegree(surface) => locate_on(&surface, job, budget),
-        AnySurface::Triangles(surface) => locate_on(&surface, job, budget),
     }
-}
-
-fn on_mesh(contacts: &MeshContacts, at: Point2<f64>) -> Option<Location> {
-    let MeshContact { tip, point, .. } = contacts.drop(at.coords)?;
-    Some(Location { tip, contact: point, gap_mm: 0.0 })
 }
 
 fn locate_on<P: Patch>(
@@ -135,26 +123,15 @@ fn locate_on<P: Patch>(
     budget: &Budget,
 ) -> Result<Vec<Option<Location>>, Error> {
     let contacts = Contacts::new(surface, job.tool.cutter(), budget)?;
-    locate_groups(job, &|points| locate_group(&contacts, points, budget), budget)
-}
-
-/// The points of a group, in order.
-type Group<'a> = dyn Iterator<Item = Point2<f64>> + 'a;
-
-/// The locations at the points of a group.
-type OfGroup<'a> = dyn Fn(&mut Group) -> Result<Vec<Option<Location>>, Stopped> + Sync + 'a;
-
-/// The location at each point of the job. `of_group` locates the points of one group.
-fn locate_groups(job: &Job, of_group: &OfGroup, budget: &Budget) -> Result<Vec<Option<Location>>, Error> {
     let order = order(&job.points);
     let groups: Vec<&[usize]> = order.chunks(GROUP).collect();
     let progress = Progress::new("points", groups.len());
-    let located = budget.in_order(groups.len(), |k| {
-        budget.check()?;
-        let located = of_group(&mut groups[k].iter().map(|&k| job.points[k]));
+    let of_group = |k: usize| {
+        let located = locate_group(&contacts, groups[k].iter().map(|&k| job.points[k]), budget);
         progress.tell_one(budget);
         located
-    })?;
+    };
+    let located = budget.in_order(groups.len(), of_group)?;
     let mut locations = vec![None; job.points.len()];
     for (k, location) in order.into_iter().zip(located.into_iter().flatten()) {
         locations[k] = location;
@@ -195,9 +172,10 @@ fn to_and_fro(points: &[Point2<f64>]) -> Vec<usize> {
 
 fn locate_group<P: Patch>(
     contacts: &Contacts<P>,
-    points: &mut Group,
+    points: impl Iterator<Item = Point2<f64>>,
     budget: &Budget,
 ) -> Result<Vec<Option<Location>>, Stopped> {
+    budget.check()?;
     let mut before: Option<Contact> = None;
     let mut locations = Vec::with_capacity(GROUP);
     for point in points {

@@ -5,7 +5,7 @@
 //! 1. Choose parallel planes at equal distances (`planes`).
 //! 2. In each plane, find the CL curves: the curves that the tip follows while the cutter touches the
 //!    surface. There are two engines. `offset_section` traces sections of the offset surface, for ball
-//!    cutters only. `contact` drops a cutter of any shape onto the surface, or onto a mesh of triangles.
+//!    cutters only. `contact` drops a cutter of any shape onto the surface.
 //! 3. Fit lines and arcs to the CL curves, which makes the passes (`passes`). Join the passes (`links`,
 //!    `entries`).
 //! 4. Prove how much the passes leave (`leftover`). If this is more than the scallop height that is asked
@@ -19,8 +19,7 @@
 //! * No point of the part is farther from the material that the passes remove than the larger of
 //!   `scallop_max_mm` and `rest_max_mm` ([`uncut`](crate::machining::uncut)). The first counts places that
 //!   the cutter can reach, the second all others. Near a place that the cutter cannot reach, a place that it
-//!   can reach may count as rest. With an allowance both are estimates. Of a mesh, upright walls, undersides
-//!   and slivers do not count.
+//!   can reach may count as rest. With an allowance both are estimates.
 //!
 //! The bounds hold for the path as computed and as the program states it. A path is
 //! refused if its bound of the deviation exceeds the tolerance. The allowance is a layer of material that has
@@ -42,7 +41,6 @@ mod entries;
 mod job;
 mod leftover;
 mod links;
-mod mesh;
 mod outline;
 mod passes;
 mod planes;
@@ -55,7 +53,7 @@ use nalgebra::{Point3, Vector3};
 use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::any_surface::AnySurface;
 use crate::geometry::surface::joints::NotSmooth;
-use crate::geometry::surface::source::{Source, SourceError};
+use crate::geometry::surface::source::SourceError;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::offset_section::SectionError;
 use crate::machining::regularity::Irregular;
@@ -104,8 +102,8 @@ pub struct Report {
     /// that the cutter can reach. This is the height of the scallops, or of what stays where no pass leads.
     /// It is proved that no place has more left than the larger of `scallop_max_mm` and `rest_max_mm`. Near
     /// a place that the cutter cannot reach, a place that it can reach may count as rest. With an allowance,
-    /// the distance counts from the top of the layer that stays, and is an estimate. Upright walls and
-    /// undersides of a mesh do not count. `null` with `wire_union`.
+    /// the distance counts from the top of the layer that stays, and is an estimate. `null` with
+    /// `wire_union`.
     #[cfg_attr(feature = "wire", schema(required))]
     pub scallop_max_mm: Option<f64>,
     /// Where `scallop_max_mm` was found, in mm. `null` where nothing was found.
@@ -172,8 +170,6 @@ pub enum Error {
     NotSmooth(NotSmooth),
     #[error("the surface cannot be continued past its edges because it has no tangent across one edge")]
     NoWayPast,
-    #[error("a mesh is milled by contact of the cutter, in planes, with passes that end at its outline")]
-    NotForMeshes,
     #[error("the surface is vertical, overhangs or has no normal near {at}")]
     Overhang { at: Point3<f64> },
     #[error("the cutter does not fit the surface near {at}, where its offset folds or nearly folds")]
@@ -295,10 +291,6 @@ pub fn plan(job: &Job, budget: &Budget) -> Result<Plan, Error> {
         AnySurface::Bicubic(surface) => plan_on(surface, job, budget),
         AnySurface::Rational(surface) => plan_on(surface, job, budget),
         AnySurface::HighDegree(surface) => plan_on(surface, job, budget),
-        AnySurface::Triangles(surface) => match &job.surface {
-            Source::Mesh(mesh) => mesh::plan(mesh, &surface, job, budget),
-            _ => plan_on(surface, job, budget),
-        },
     }
 }
 
@@ -315,7 +307,6 @@ pub fn blank(job: &Job, budget: &Budget) -> Result<Option<Blank>, Error> {
         AnySurface::Bicubic(surface) => blank_of(&surface, job, budget),
         AnySurface::Rational(surface) => blank_of(&surface, job, budget),
         AnySurface::HighDegree(surface) => blank_of(&surface, job, budget),
-        AnySurface::Triangles(surface) => blank_of(&surface, job, budget),
     }
 }
 
@@ -329,7 +320,6 @@ pub fn highest_mm(job: &Job, budget: &Budget) -> Result<f64, Error> {
         AnySurface::Bicubic(surface) => surface.farthest_along(&up, accuracy_mm, budget),
         AnySurface::Rational(surface) => surface.farthest_along(&up, accuracy_mm, budget),
         AnySurface::HighDegree(surface) => surface.farthest_along(&up, accuracy_mm, budget),
-        AnySurface::Triangles(surface) => surface.farthest_along(&up, accuracy_mm, budget),
     }?;
     Ok(job.top(surface_mm))
 }

@@ -92,7 +92,6 @@ pub fn model(job: &Job, budget: &Budget) -> Result<Model, Error> {
         AnySurface::Bicubic(surface) => examine(surface, job, budget)?,
         AnySurface::Rational(surface) => examine(surface, job, budget)?,
         AnySurface::HighDegree(surface) => examine(surface, job, budget)?,
-        AnySurface::Triangles(surface) => examine(surface, job, budget)?,
     };
     let Findings { bounds, wires, curvature, not_smooth } = findings;
     let reduced = job.surface.reduced_ends().into_iter();

@@ -84,7 +84,6 @@ pub fn face(outline: FaceOutline, budget: &Budget) -> Result<Face, Refusal> {
         name,
         body: 0,
         is_reversed,
-        is_clockwise: is_reversed,
         loops,
         trim: polygons,
         domain: covered,
@@ -112,18 +111,6 @@ pub fn placed(face: &Face, by: &Placement, body: usize) -> Face {
     let edges: Vec<&Edge> = copy.loops.iter().flat_map(|one| &one.edges).collect();
     copy.bounds_mm = face_box(&copy.surface, &edges, &copy.trim, copy.domain);
     copy
-}
-
-/// The trim of a face at its place, and the edges that its pieces name.
-///
-/// # Errors
-/// The loops bound no face, or the budget has ended.
-pub fn trim(face: &Face, search: &ParameterSearch, budget: &Budget) -> Result<(Trim, Vec<Edge>), Untrimmed> {
-    let directed: Vec<Vec<Edge>> = face.loops.iter().map(|one| directed(one, face.is_clockwise)).collect();
-    let edges: Vec<Edge> = directed.concat();
-    let size_mm = size(&face.surface, &edges);
-    let slices: Vec<&[Edge]> = directed.iter().map(Vec::as_slice).collect();
-    Ok((Trim::of(search, &slices, size_mm, budget)?, edges))
 }
 
 /// The edges of a loop as they go round the normal of the surface.

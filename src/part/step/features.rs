@@ -3,8 +3,7 @@
 //! # Method
 //! Cylindrical faces of one body that are seen from inside, with one axis and one radius, make a hole where
 //! they overlap along the axis and go all the way round. An end of a hole is closed if the faces that lie
-//! beyond it, joined by edges and no farther from the axis than the radius, meet the axis or narrow the hole:
-//! a counterbore ends at its floor, and is not through.
+//! beyond it, joined by edges and no farther from the axis than the radius, meet the axis.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -182,15 +181,7 @@ impl Solid<'_> {
                     next.push(face);
                 }
             }
-            let narrows = |face: &Face| {
-                let points = points(face);
-                points.into_iter().any(|point| off_axis(point, end, along) < radius_mm - SAME_MM)
-            };
-            let closes = |face: &usize| {
-                let face = &self.faces[*face];
-                meets_axis(face, end, along) || narrows(face)
-            };
-            if next.iter().any(closes) {
+            if next.iter().any(|face| meets_axis(&self.faces[*face], end, along)) {
                 return true;
             }
             last = next;
@@ -207,21 +198,15 @@ impl Solid<'_> {
 
 /// Whether all edges of a face are beyond the end of a hole, and no farther from its axis than the radius.
 fn is_beyond(face: &Face, end: Point3<f64>, along: Vector3<f64>, radius_mm: f64) -> bool {
-    points(face).into_iter().all(|point| {
-        (point - end).dot(&along) > -SAME_MM && off_axis(point, end, along) < radius_mm + SAME_MM
+    let mut points = face
+        .loops
+        .iter()
+        .flat_map(|one| &one.edges)
+        .flat_map(|edge| spread(edge).into_iter().map(|t| edge.curve.point(t) - end));
+    points.all(|d| {
+        let height = d.dot(&along);
+        height > -SAME_MM && (d - along * height).norm() < radius_mm + SAME_MM
     })
-}
-
-/// Points on the edges of a face.
-fn points(face: &Face) -> Vec<Point3<f64>> {
-    let edges = face.loops.iter().flat_map(|one| &one.edges);
-    edges.flat_map(|edge| spread(edge).into_iter().map(|t| edge.curve.point(t))).collect()
-}
-
-/// The distance of a point from an axis, mm.
-fn off_axis(point: Point3<f64>, origin: Point3<f64>, along: Vector3<f64>) -> f64 {
-    let d = point - origin;
-    (d - along * d.dot(&along)).norm()
 }
 
 /// Whether an axis meets a face.

@@ -55,8 +55,6 @@ pub struct Face {
     pub surface: Surface,
     /// Whether the side without material is where the surface's normal points away from.
     pub is_reversed: bool,
-    /// Whether the loops go round the normal of the surface clockwise.
-    pub is_clockwise: bool,
     /// The bounds as the file has them. A whole sphere or torus may have none.
     pub loops: Vec<Loop>,
     /// The bounds in the parameters of the surface, as polygons within 1e-3 of the size of the face. The
@@ -108,7 +106,7 @@ pub struct Hole {
     pub diameter_mm: f64,
     /// The length of the cylinder, mm.
     pub depth_mm: f64,
-    /// Whether both ends are open. An end from which a narrower hole goes on is closed.
+    /// Whether both ends are open.
     pub is_through: bool,
 }
 

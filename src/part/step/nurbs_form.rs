@@ -57,13 +57,6 @@ pub fn nurbs(surface: &Surface, domain: [[f64; 2]; 2]) -> Nurbs {
     }
 }
 
-/// A part of a curve: degree, knots, and control points that are multiplied by their weights, followed by the
-/// weights.
-pub fn curve(curve: &Curve, range: [f64; 2]) -> (usize, Vec<f64>, Vec<Vector4<f64>>) {
-    let Profile { degree, knots, points } = profile(curve, range);
-    (degree, knots, points)
-}
-
 /// The ruled patch of four corners, in the order round the patch.
 pub fn patch(corners: [Point3<f64>; 4]) -> Nurbs {
     let [a, b, c, d] = corners;

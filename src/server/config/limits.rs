@@ -7,8 +7,6 @@ pub struct Limits {
     pub body_bytes: usize,
     /// Points of one surface.
     pub surface_points: usize,
-    /// Triangles of one mesh.
-    pub mesh_triangles: usize,
     /// Points of one curve.
     pub curve_points: usize,
     /// Elements of one interpolated curve.
@@ -36,7 +34,6 @@ impl Limits {
     pub const DEFAULT: Limits = Limits {
         body_bytes: 16 * 1024 * 1024,
         surface_points: 250_000,
-        mesh_triangles: 1_000_000,
         curve_points: 250_000,
         elements: 250_000,
         drop_points: 250_000,

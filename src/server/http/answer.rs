@@ -15,7 +15,6 @@ pub mod sheet;
 mod small_job;
 mod stages;
 mod streamed;
-pub mod surface_drawing;
 #[cfg(test)]
 mod tests;
 pub mod timing;

@@ -1,4 +1,4 @@
-//! Sends what a curl command would send, without curl. Only the options that the documents use are supported.
+//! Parses and sends curl commands without curl. Only the options that the documents use are supported.
 
 use std::collections::HashMap;
 use std::io::{Read, Write};
@@ -52,9 +52,52 @@ pub struct Answer {
     pub body: String,
 }
 
+/// The curl commands of a shell block. `cargo` commands are skipped; any other command is an error.
+pub fn commands(shell: &str) -> Result<Vec<Curl>, String> {
+    let joined = shell.replace("\\\n", " ");
+    let lines = joined.lines().map(str::trim).filter(|line| !line.is_empty());
+    let mut commands = Vec::new();
+    for line in lines {
+        let words = words(line)?;
+        match words.first().map(String::as_str) {
+            Some("curl") => commands.push(Curl::of(&words[1..]).map_err(|fault| format!("{fault}: {line}"))?),
+            Some("cargo") => {}
+            _ => return Err(format!("neither curl nor cargo: {line}")),
+        }
+    }
+    Ok(commands)
+}
+
+/// Splits a line of shell into words, without their quotes. A comment ends the line. A line that the shell
+/// would expand or act on is an error.
+fn words(line: &str) -> Result<Vec<String>, String> {
+    let mut words = Vec::new();
+    let mut word: Option<String> = None;
+    let mut chars = line.chars();
+    while let Some(c) = chars.next() {
+        match c {
+            '\'' | '"' => {
+                let text: String = chars.by_ref().take_while(|&end| end != c).collect();
+                if c == '"' && text.contains(['$', '`', '\\']) {
+                    return Err(format!("the shell would expand \"{text}\""));
+                }
+                word.get_or_insert_default().push_str(&text);
+            }
+            ' ' => words.extend(word.take()),
+            '#' if word.is_none() => break,
+            '$' | '`' | '|' | '>' | '<' | '&' | ';' | '*' | '?' | '\\' => {
+                return Err(format!("the shell would act on {c}: {line}"));
+            }
+            c => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    Ok(words)
+}
+
 impl Curl {
     /// The request that curl would send for these arguments. An option that is not supported is an error.
-    pub fn of(arguments: &[String]) -> Result<Self, String> {
+    fn of(arguments: &[String]) -> Result<Self, String> {
         let (mut url, mut headers, mut body, mut saved_as) = (None, Vec::new(), None, None);
         let mut method = "GET";
         let mut rest = arguments.iter();
@@ -204,6 +247,39 @@ fn joined(mut chunks: &[u8]) -> Vec<u8> {
         }
         whole.extend(&chunks[end + 2..end + 2 + length]);
         chunks = &chunks[end + 2 + length + 2..];
+    }
+}
+
+#[test]
+fn a_parsed_command_is_the_request_that_curl_would_send() {
+    let shell = "cargo run --release  # first\n\
+        curl -s 'http://127.0.0.1:8080/v1/arcs/fit?nc=true' \\\n  -H 'Accept: application/json' --data @a.json -o out\n\
+        curl -T a.ngc http://127.0.0.1:8080/v1/arcs/fit\n";
+    let found = commands(shell).expect("commands");
+    let header = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    assert_eq!(
+        found[0].headers,
+        [header("accept", "application/json"), header("content-type", "application/x-www-form-urlencoded")]
+    );
+    assert_eq!((found[0].method.as_str(), found[0].target.as_str()), ("POST", "/v1/arcs/fit?nc=true"));
+    assert_eq!(found[0].body, Some(Body::Joined("a.json".into())));
+    assert_eq!(found[0].saved_as.as_deref(), Some("out"));
+    assert_eq!((found[1].method.as_str(), &found[1].body), ("PUT", &Some(Body::Whole("a.ngc".into()))));
+    assert_eq!(found[1].headers, [header("accept", "*/*")]);
+}
+
+#[test]
+fn a_command_with_unsupported_parts_is_refused() {
+    for shell in [
+        "curl --insecure http://127.0.0.1:8080/livez",
+        "curl http://127.0.0.1:9090/livez",
+        "curl http://127.0.0.1:8080/livez | head",
+        "curl http://127.0.0.1:8080/livez?$QUERY",
+        "curl --data \"$(cat a)\" http://127.0.0.1:8080/livez",
+        "curl http://127.0.0.1:8080/livez -o",
+        "wget http://127.0.0.1:8080/livez",
+    ] {
+        assert!(commands(shell).is_err(), "this command was not refused: {shell}");
     }
 }
 

@@ -1,15 +1,13 @@
-//! Sends every curl command of the documents to a service and compares the answers with those shown. The jq
-//! commands between them make files of answers.
+//! Sends every curl command of the documents to a service and compares the answers with those shown.
 
 use std::collections::HashMap;
 use std::net::{SocketAddr, TcpListener};
 
 use serde_json::Value;
 
-use super::curl::Answer;
+use super::curl::{Answer, commands};
 use super::page::{Block, blocks, read};
 use super::recipe;
-use super::shell::{Command, commands};
 use crate::api::support::{Server, app, aside};
 
 /// The documents whose commands are sent.
@@ -52,16 +50,6 @@ fn faults_of(path: &str, address: SocketAddr) -> Vec<String> {
         n_commands += commands.len();
         let shown = blocks.get(index + 1).filter(|next| next.language.is_empty());
         for (k, command) in commands.iter().enumerate() {
-            let command = match command {
-                Command::Curl(curl) => curl,
-                Command::Jq(jq) => {
-                    match jq.run(&files) {
-                        Ok(written) => drop(files.insert(jq.saved_as.clone(), written)),
-                        Err(fault) => faults.push(format!("{at}: jq: {fault}")),
-                    }
-                    continue;
-                }
-            };
             let answer = command.send(address, &files);
             let shown = shown.filter(|_| k + 1 == commands.len());
             if let Err(fault) = compare(&answer, shown) {

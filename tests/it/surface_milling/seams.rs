@@ -186,7 +186,6 @@ pub fn jets(source: &Source) -> Vec<Jet> {
         AnySurface::Bicubic(surface) => of(&surface),
         AnySurface::Rational(surface) => of(&surface),
         AnySurface::HighDegree(surface) => of(&surface),
-        AnySurface::Triangles(surface) => of(&surface),
     }
 }
 

@@ -1,6 +1,5 @@
 //! A surface whose patches may be of any of the supported types.
 
-use super::patch::FlatPatch;
 use super::{BezierSurface, BicubicPatch, Jet, RationalPatch, Surface};
 
 /// Most patches of a surface of degree up to 3: about sixty megabytes.
@@ -16,8 +15,6 @@ pub enum AnySurface {
     Rational(BezierSurface<RationalPatch<4>>),
     /// Of a higher degree, rational or not.
     HighDegree(BezierSurface<RationalPatch>),
-    /// Triangles in a row. Neighbours in the row need not touch each other.
-    Triangles(BezierSurface<FlatPatch>),
 }
 
 impl AnySurface {
@@ -31,7 +28,6 @@ impl AnySurface {
             Self::Bicubic(surface) => 16 * surface.patches().len(),
             Self::Rational(surface) => of(surface.patches()),
             Self::HighDegree(surface) => of(surface.patches()),
-            Self::Triangles(surface) => 4 * surface.patches().len(),
         }
     }
 }
@@ -42,7 +38,6 @@ impl Surface for AnySurface {
             Self::Bicubic(surface) => surface.spans(),
             Self::Rational(surface) => surface.spans(),
             Self::HighDegree(surface) => surface.spans(),
-            Self::Triangles(surface) => surface.spans(),
         }
     }
 
@@ -51,7 +46,6 @@ impl Surface for AnySurface {
             Self::Bicubic(surface) => surface.jet(u, v),
             Self::Rational(surface) => surface.jet(u, v),
             Self::HighDegree(surface) => surface.jet(u, v),
-            Self::Triangles(surface) => surface.jet(u, v),
         }
     }
 }

@@ -1,18 +1,16 @@
 //! What all Bezier patches can do: give points and derivatives, be halved, and bound their points and
 //! derivatives by their control points.
 //!
-//! Three types implement [`Patch`]: [`BicubicPatch`], small and fast, [`RationalPatch`] of any degree up to
-//! 7, and [`FlatPatch`] for triangles. Proofs use only this trait, so they hold for all of them.
+//! Two types implement [`Patch`]: [`BicubicPatch`], small and fast, and [`RationalPatch`] of any degree up to
+//! 7. Proofs use only this trait, so they hold for both types.
 
 pub mod bicubic;
-pub mod flat;
 pub mod raise;
 pub mod rational;
 
 use nalgebra::Vector3;
 
 pub use bicubic::BicubicPatch;
-pub use flat::FlatPatch;
 pub use rational::RationalPatch;
 
 use super::Jet;
@@ -65,12 +63,6 @@ pub trait Patch: Copy + Send + Sync + std::fmt::Debug {
         axes: &[Vector3<f64>; N],
         weights: &[f64; N],
     ) -> SquareBound;
-
-    /// Whether the surface ends or turns sharply at the sides u = 0, u = 1, v = 0 and v = 1. `None` where the
-    /// patches beside it tell.
-    fn sharp_sides(&self) -> Option<[bool; 4]> {
-        None
-    }
 
     /// The two halves across the direction in which the patch is longer.
     fn split(&self) -> [Self; 2] {

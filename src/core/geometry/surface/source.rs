@@ -1,7 +1,5 @@
 //! The kinds of data that surfaces are made from.
 
-use std::sync::Arc;
-
 use nalgebra::Point3;
 
 use super::any_surface::AnySurface;
@@ -12,7 +10,6 @@ use super::nurbs::{Nurbs, NurbsError};
 use super::parallel_sweep::{ParallelSweep, ParallelSweepError};
 use super::point_grid::{GridError, PointGrid};
 use super::ruled::{Ruled, RuledError};
-use super::triangle_mesh::TriangleMesh;
 
 /// The data of a surface, one variant for each kind.
 ///
@@ -43,7 +40,6 @@ pub enum Source {
     ParallelSweep(ParallelSweep),
     NormalSweep(NormalSweep),
     Ruled(Ruled),
-    Mesh(Arc<TriangleMesh>),
 }
 
 /// Why the data make no surface.
@@ -79,7 +75,6 @@ impl Source {
             Self::ParallelSweep(sweep) => sweep.surface()?,
             Self::NormalSweep(sweep) => sweep.surface()?,
             Self::Ruled(ruled) => ruled.surface()?,
-            Self::Mesh(mesh) => AnySurface::Triangles(mesh.patches()),
         })
     }
 
@@ -92,8 +87,7 @@ impl Source {
             | Self::Nurbs(_)
             | Self::ParallelSweep(_)
             | Self::NormalSweep(_)
-            | Self::Ruled(_)
-            | Self::Mesh(_) => None,
+            | Self::Ruled(_) => None,
         }
     }
 
@@ -107,8 +101,7 @@ impl Source {
             | Self::Nurbs(_)
             | Self::ParallelSweep(_)
             | Self::NormalSweep(_)
-            | Self::Ruled(_)
-            | Self::Mesh(_) => Vec::new(),
+            | Self::Ruled(_) => Vec::new(),
         }
     }
 
@@ -116,7 +109,7 @@ impl Source {
     /// patches before it, along u and along v.
     pub fn loose_joints(&self) -> [Vec<usize>; 2] {
         match self {
-            Self::PointGrid(_) | Self::Ferguson(_) | Self::Mesh(_) => [Vec::new(), Vec::new()],
+            Self::PointGrid(_) | Self::Ferguson(_) => [Vec::new(), Vec::new()],
             Self::NetGrid(NetGrid { nets }) => {
                 [(1..nets.len()).collect(), (1..nets.first().map_or(0, Vec::len)).collect()]
             }

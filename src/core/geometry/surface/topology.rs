@@ -241,7 +241,6 @@ mod tests {
             AnySurface::Bicubic(surface) => Topology::of(&surface),
             AnySurface::Rational(surface) => Topology::of(&surface),
             AnySurface::HighDegree(surface) => Topology::of(&surface),
-            AnySurface::Triangles(surface) => Topology::of(&surface),
         }
     }
 

@@ -91,9 +91,6 @@ impl<P: Patch> SubPatch<P> {
 /// The edges of every patch, in the order of [`BezierSurface::patches`]. A seam with a kink is an edge of the
 /// patches on both sides.
 pub(super) fn edges<P: Patch>(surface: &BezierSurface<P>) -> Vec<Sides> {
-    if let Some(known) = surface.patches().iter().map(Patch::sharp_sides).collect() {
-        return known;
-    }
     let [nu, nv] = surface.spans();
     let mut edges = vec![[false; 4]; nu * nv];
     for i in 0..nu {

@@ -71,12 +71,6 @@ struct NearestOf {
     near: Nearest,
 }
 
-/// What was found in a block, and how many parts were looked at.
-struct Searched {
-    left: Left,
-    looked: usize,
-}
-
 /// What is left at a point.
 struct LeftAt {
     distance: f64,
@@ -84,33 +78,17 @@ struct LeftAt {
 }
 
 impl<R: Reach> Search<'_, R> {
-    /// Every block gets an even share of the parts first. What is left of the parts is shared out evenly to
-    /// the blocks for which that was not enough, and they are searched again.
-    ///
     /// # Errors
     /// Only the budget's stop.
     pub(super) fn run<P: Patch>(&self, part: &BezierSurface<P>) -> Result<Left, Stopped> {
         let known = self.sample(part)?;
         let blocks = blocks(part);
         let limit = self.wanted.part_limit / blocks.len();
-        let first = self.budget.in_order(blocks.len(), |k| {
+        let found = self.budget.in_order(blocks.len(), |k| {
             self.budget.progress("material left", k, blocks.len());
             self.block(blocks[k], known, limit)
         })?;
-        let looked: usize = first.iter().map(|searched| searched.looked.min(limit)).sum();
-        let (done, open): (Vec<_>, Vec<_>) =
-            first.iter().enumerate().partition(|(_, searched)| searched.looked <= limit);
-        let left = done.iter().fold(known, |left, (_, searched)| left.or_more(searched.left));
-        let more = self.wanted.part_limit.saturating_sub(looked) / open.len().max(1);
-        if more == 0 {
-            return Ok(open.iter().fold(left, |left, (_, searched)| left.or_more(searched.left)));
-        }
-        let known = left.with_found(first.iter().map(|searched| &searched.left));
-        let again = self.budget.in_order(open.len(), |k| {
-            self.budget.progress("material left", k, open.len());
-            self.block(blocks[open[k].0], known, limit + more)
-        })?;
-        Ok(again.into_iter().fold(left, |left, searched| left.or_more(searched.left)))
+        Ok(found.into_iter().fold(known, Left::or_more))
     }
 
     /// The largest distances at places spread over the surface.
@@ -227,11 +205,9 @@ impl<R: Reach> Search<'_, R> {
     }
 
     /// The largest distances over one block, or smaller ones than are known.
-    fn block<P: Patch>(&self, block: P, known: Left, limit: usize) -> Result<Searched, Stopped> {
+    fn block<P: Patch>(&self, block: P, known: Left, limit: usize) -> Result<Left, Stopped> {
         let mut left = Left { reached: known.reached.without_bound(), rest: known.rest.without_bound() };
-        let Some(first) = self.open(block, None, (false, 0), &left) else {
-            return Ok(Searched { left, looked: 0 });
-        };
+        let Some(first) = self.open(block, None, (false, 0), &left) else { return Ok(left) };
         // The part with the largest bound is next, so that the bounds that are left at the limit are small.
         let mut open = BestFirst::default();
         open.push(first.bound, first);
@@ -248,7 +224,7 @@ impl<R: Reach> Search<'_, R> {
                 self.look_at(next, &mut left, &mut open)?;
             }
         }
-        Ok(Searched { left, looked })
+        Ok(left)
     }
 
     /// A part with its bound. `None` without passes.
@@ -336,16 +312,6 @@ impl<R: Reach> Search<'_, R> {
         let is_along_u =
             if is_long || gain.abs() <= self.wanted.gap_mm { along_u >= along_v } else { gain > 0.0 };
         if is_along_u { by_u } else { by_v }
-    }
-}
-
-impl Left {
-    /// The largest distances of these and the others that were found at points, with the own bounds.
-    fn with_found<'l>(self, others: impl Iterator<Item = &'l Left>) -> Self {
-        others.fold(self, |all, one| {
-            let found = Left { reached: one.reached.without_bound(), rest: one.rest.without_bound() };
-            all.or_more(found)
-        })
     }
 }
 

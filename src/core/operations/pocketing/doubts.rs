@@ -141,7 +141,6 @@ fn surface_box(source: &Source, budget: &Budget) -> Result<[Point2<f64>; 2], Poc
         AnySurface::Bicubic(surface) => surface.farthest_along(&along, SLIGHT_MM, budget),
         AnySurface::Rational(surface) => surface.farthest_along(&along, SLIGHT_MM, budget),
         AnySurface::HighDegree(surface) => surface.farthest_along(&along, SLIGHT_MM, budget),
-        AnySurface::Triangles(surface) => surface.farthest_along(&along, SLIGHT_MM, budget),
     };
     let [x, y] = [Vector3::x(), Vector3::y()];
     let low = Point2::new(-farthest(-x)?, -farthest(-y)?);

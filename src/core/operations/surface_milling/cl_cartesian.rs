@@ -9,7 +9,7 @@ use super::links::{self, Joined};
 use super::outline::Outline;
 use super::passes::{self, Allowed, LeftOut, Passes};
 use super::planes::{ClCurves, ContactCurves, OffsetCurves, Slicer};
-use super::rest::{Drops, Positions};
+use super::rest::Positions;
 use super::{
     Boundary, CERTIFICATE_GAP, Engine, Error, Job, Plan, Report, TOP_ACCURACY_MM, Warning, certificate,
     counts, data_warnings, scallop,
@@ -32,7 +32,7 @@ use crate::toolpath::tool::Shape;
 /// share needs more points. A larger one needs more arcs, but their number grows only with the inverse cube
 /// root of the tolerance that is left. Points of direct contact cost more time, so their share is larger.
 const SECTION_HEIGHT_SHARE: f64 = 0.03;
-pub(super) const CONTACT_HEIGHT_SHARE: f64 = 0.06;
+const CONTACT_HEIGHT_SHARE: f64 = 0.06;
 
 /// The accuracy of the outline, as a share of the tolerance.
 const OUTLINE_SHARE: f64 = 0.1;
@@ -42,20 +42,20 @@ const OUTLINE_SHARE: f64 = 0.1;
 const RIM_SHARE: f64 = 0.65;
 
 /// What the passes of a job are cut from.
-pub(super) struct Found<'a, P> {
-    pub(super) curves: &'a dyn ClCurves,
-    pub(super) milled: &'a Milled<'a, P>,
-    pub(super) slopes: Vec<Slope>,
-    pub(super) seam: Seam,
-    pub(super) chord_height_share: f64,
+struct Found<'a, P> {
+    curves: &'a dyn ClCurves,
+    milled: &'a Milled<'a, P>,
+    slopes: Vec<Slope>,
+    seam: Seam,
+    chord_height_share: f64,
     /// A job that needs more CL points is refused.
-    pub(super) point_limit: usize,
-    pub(super) depth: Depth,
+    point_limit: usize,
+    depth: Depth,
 }
 
 /// How deep passes may cut into the surface.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Depth {
+enum Depth {
     /// By the tolerance.
     Tolerance,
     /// By the deviation of the passes, plus the certificate's gap and one step of the last decimal. A deeper
@@ -76,11 +76,11 @@ enum Choice {
 }
 
 /// The surface of a job.
-pub(super) struct Milled<'a, P> {
+struct Milled<'a, P> {
     /// The part within its outline, without what `past` adds to it.
-    pub(super) part: &'a BezierSurface<P>,
-    pub(super) surface: &'a BezierSurface<P>,
-    pub(super) contacts: &'a dyn Drops,
+    part: &'a BezierSurface<P>,
+    surface: &'a BezierSurface<P>,
+    contacts: &'a Contacts<'a, P>,
 }
 
 /// The offset of a surface that a ball cutter can follow everywhere.
@@ -101,10 +101,10 @@ pub(super) fn plan<P: Patch>(surface: BezierSurface<P>, job: &Job, budget: &Budg
     match choice {
         Choice::Offset(offset) => by_sections(&milled, &offset, Depth::Tolerance, job, budget),
         Choice::OffsetIfClear(offset) => match by_sections(&milled, &offset, Depth::Deviation, job, budget) {
-            Err(error) if error.is_obstacle() => by_contact(&milled, &contacts, None, job, budget),
+            Err(error) if error.is_obstacle() => by_contact(&milled, None, job, budget),
             planned => planned,
         },
-        Choice::Contact(regularity) => by_contact(&milled, &contacts, regularity, job, budget),
+        Choice::Contact(regularity) => by_contact(&milled, regularity, job, budget),
     }
 }
 
@@ -175,13 +175,12 @@ fn by_sections<P: Patch>(
 /// Plans by the tips of the cutter in contact. The slopes are those of `regularity`, and sampled without it.
 fn by_contact<P: Patch>(
     milled: &Milled<P>,
-    contacts: &Contacts<P>,
     regularity: Option<Regularity>,
     job: &Job,
     budget: &Budget,
 ) -> Result<Plan, Error> {
     let axis = job.plane.normal_axis();
-    let sections = TipSections::new(contacts, axis, budget)?;
+    let sections = TipSections::new(milled.contacts, axis, budget)?;
     let found = Found {
         curves: &ContactCurves { sections, stock: job.allowance_mm },
         milled,
@@ -282,7 +281,7 @@ fn join<P: Patch>(
     Ok(Cut { spaced, toolpath, n_not_clear, deviation_max_mm, penetration })
 }
 
-pub(super) fn plan_with<P: Patch>(found: &Found<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
+fn plan_with<P: Patch>(found: &Found<P>, job: &Job, budget: &Budget) -> Result<Plan, Error> {
     let Milled { part, surface, contacts } = *found.milled;
     let cutting = job.cutting.above(job.top(surface.top(TOP_ACCURACY_MM, budget)?))?;
     let slicer = Slicer::new(found.curves, job.plane.normal_axis(), inside(surface, job, budget)?);

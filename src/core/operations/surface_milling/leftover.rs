@@ -30,9 +30,6 @@ const SMALLEST_SHARE: f64 = 0.1;
 const PARTS: usize = 40_000;
 const PARTS_EACH: f64 = 20.0;
 
-/// The least number of parts for each patch. A mesh has many.
-const PARTS_OF_PATCH: usize = 8;
-
 /// The most squares that count. A part of no width has passes at no distance, and squares without end.
 const MOST_SQUARES: f64 = 1e6;
 
@@ -65,7 +62,7 @@ const STRIP: f64 = 2.0;
 /// The part of a job that is to be milled, and where the cutter may go.
 pub(super) struct Material<'a, P> {
     pub(super) part: &'a BezierSurface<P>,
-    pub(super) positions: Positions<'a>,
+    pub(super) positions: Positions<'a, P>,
 }
 
 impl<P: Patch> Material<'_, P> {
@@ -91,8 +88,7 @@ impl<P: Patch> Material<'_, P> {
             target_mm: asked(job),
             grain_mm: stepover_mm,
             smallest_mm: SMALLEST_SHARE * gap_mm,
-            part_limit: (PARTS + (PARTS_EACH * (length / stepover_mm).min(MOST_SQUARES)) as usize)
-                .max(PARTS_OF_PATCH * self.part.patches().len()),
+            part_limit: PARTS + (PARTS_EACH * (length / stepover_mm).min(MOST_SQUARES)) as usize,
         };
         Ok(uncut::left(self.part, &[swept], &self.positions, wanted, budget)?)
     }

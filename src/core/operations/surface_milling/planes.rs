@@ -31,7 +31,7 @@ const PROBES: usize = 64;
 const HALVINGS: usize = 24;
 
 /// Spacing of points that is fine enough to compare the lengths of sections.
-pub(super) const COARSE: Spacing = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
+const COARSE: Spacing = Spacing { chord_height_mm: TOUCH_MM, step_length_mm: f64::INFINITY };
 
 /// A way to find the CL curves in a plane.
 pub(super) trait ClCurves: Sync {
@@ -94,8 +94,15 @@ impl<P: Patch> ClCurves for ContactCurves<'_, P> {
         self.sections.extent()
     }
 
-    fn extent(&self, reach: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError> {
-        with_sections(reach, |at| self.sections.has_any(PlaneAt::new(at), COARSE, budget))
+    fn extent(&self, [low, high]: [f64; 2], budget: &Budget) -> Result<[f64; 2], SectionError> {
+        let has_section = |at: f64| self.sections.has_any(PlaneAt::new(at), COARSE, budget);
+        // The place that reaches farthest across the planes may not be the place that touches the cutter
+        // first.
+        let inset = TOUCH_MM.min(INSET_PART * (high - low));
+        if has_section(low + inset)? && has_section(high - inset)? {
+            return Ok([low, high]);
+        }
+        Ok(extent_where([low, high], has_section)?.unwrap_or([low, high]))
     }
 
     fn chains(&self, plane: PlaneAt, spacing: Spacing, budget: &Budget) -> Result<Vec<Chain>, SectionError> {
@@ -110,19 +117,6 @@ impl<P: Patch> ClCurves for ContactCurves<'_, P> {
     ) -> Result<Vec<Chain>, SectionError> {
         Ok(raised(self.sections.chains_over_edges(plane, spacing, budget)?, self.stock))
     }
-}
-
-/// The range within a reach in which planes have sections.
-pub(super) fn with_sections(
-    [low, high]: [f64; 2],
-    has_section: impl Fn(f64) -> Result<bool, SectionError>,
-) -> Result<[f64; 2], SectionError> {
-    // The place that reaches farthest across the planes may not be the place that touches the cutter first.
-    let inset = TOUCH_MM.min(INSET_PART * (high - low));
-    if has_section(low + inset)? && has_section(high - inset)? {
-        return Ok([low, high]);
-    }
-    Ok(extent_where([low, high], has_section)?.unwrap_or([low, high]))
 }
 
 /// The range within `low` to `high` in which `holds` is true, as far as [`PROBES`] find it; `None` if it
@@ -151,7 +145,7 @@ fn extent_where<E>(
     Ok(Some([low, high]))
 }
 
-pub(super) fn raised(mut chains: Vec<Chain>, by: f64) -> Vec<Chain> {
+fn raised(mut chains: Vec<Chain>, by: f64) -> Vec<Chain> {
     chains.iter_mut().flat_map(|chain| &mut chain.points).for_each(|point| point.z += by);
     chains
 }

@@ -14,7 +14,6 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::surface::Patch;
 use crate::machining::cutter::Cutter;
 use crate::machining::drop_cutter::Contacts;
-use crate::machining::mesh_contact::MeshContacts;
 use crate::machining::uncut::{Reach, distance_from};
 
 /// A point is reached if the cutter comes as near to it as this share of what is left there. A smaller share
@@ -42,49 +41,14 @@ const DISTANCES: [f64; 2] = [0.98, 0.5];
 /// The z coordinate of a unit normal below which a surface counts as a wall.
 const UPRIGHT: f64 = 1e-9;
 
-/// A cutter that is dropped onto a part.
-pub(super) trait Drops: Sync {
-    fn cutter(&self) -> &Cutter;
-
-    /// The tip of the cutter with its axis at `axis`, proved to within `accuracy` mm; `None` if the cutter
-    /// misses the part.
-    fn tip(&self, accuracy: f64, axis: Vector2<f64>, budget: &Budget)
-    -> Result<Option<Point3<f64>>, Stopped>;
-}
-
-impl<P: Patch> Drops for Contacts<'_, P> {
-    fn cutter(&self) -> &Cutter {
-        self.cutter()
-    }
-
-    fn tip(
-        &self,
-        accuracy: f64,
-        axis: Vector2<f64>,
-        budget: &Budget,
-    ) -> Result<Option<Point3<f64>>, Stopped> {
-        Ok(self.drop_within(accuracy, axis, None, budget)?.map(|contact| contact.tip))
-    }
-}
-
-impl Drops for MeshContacts<'_> {
-    fn cutter(&self) -> &Cutter {
-        self.cutter()
-    }
-
-    fn tip(&self, _: f64, axis: Vector2<f64>, _: &Budget) -> Result<Option<Point3<f64>>, Stopped> {
-        Ok(self.drop(axis).map(|contact| contact.tip))
-    }
-}
-
 /// The positions that the cutter may take.
-pub(super) struct Positions<'a> {
-    pub(super) contacts: &'a dyn Drops,
+pub(super) struct Positions<'a, P> {
+    pub(super) contacts: &'a Contacts<'a, P>,
     /// The outline, and the distance of the axis from it, mm; `None` where the axis may be anywhere.
     pub(super) inside: Option<(Outline, f64)>,
 }
 
-impl Reach for Positions<'_> {
+impl<P: Patch> Reach for Positions<'_, P> {
     fn is_reached(
         &self,
         point: &Point3<f64>,
@@ -101,8 +65,8 @@ impl Reach for Positions<'_> {
             };
             if is_promising
                 && self.is_allowed(&axis)
-                && let Some(tip) = self.contacts.tip(TIP_ACCURACY * enough, axis, budget)?
-                && distance_from(cutter, &tip, point) <= enough
+                && let Some(contact) = self.contacts.drop_within(TIP_ACCURACY * enough, axis, None, budget)?
+                && distance_from(cutter, &contact.tip, point) <= enough
             {
                 return Ok(true);
             }
@@ -111,7 +75,7 @@ impl Reach for Positions<'_> {
     }
 }
 
-impl Positions<'_> {
+impl<P: Patch> Positions<'_, P> {
     fn is_allowed(&self, axis: &Vector2<f64>) -> bool {
         let Some((outline, margin)) = &self.inside else { return true };
         outline.depth(axis) >= margin - BESIDE_MARGIN_MM

@@ -25,7 +25,7 @@ use crate::machining::regularity::Slope;
 const SAMPLES: usize = 5;
 
 /// The least share of a sampled slope. Steeper slopes count as this steep: no spacing of planes serves walls.
-pub(super) const LEAST_SHARE: f64 = 0.05;
+const LEAST_SHARE: f64 = 0.05;
 
 /// A ball fits only just if its radius is more than this part of the concave radius of curvature. Nearer to
 /// 1, the concavity of the offset grows without bound, and one tight place would decide the spacing of all

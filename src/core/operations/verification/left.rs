@@ -10,7 +10,6 @@ use crate::budget::{Budget, Stopped};
 use crate::geometry::curve::Curve;
 use crate::geometry::region::{Containment, Region, RegionError};
 use crate::geometry::surface::any_surface::AnySurface;
-use crate::geometry::surface::triangle_mesh::facing_up;
 use crate::geometry::surface::{BezierSurface, Patch};
 use crate::machining::cutter::Cutter;
 use crate::machining::prism::Prism;
@@ -25,9 +24,8 @@ const EXCESS_GAP: f64 = 0.05;
 /// Parts of a surface smaller than this share of the gap count as points.
 const SMALLEST_SHARE: f64 = 0.1;
 
-/// The most parts of the search for what stands above a surface, or as many for each of its patches.
+/// The most parts of the search for what stands above a surface.
 const PARTS: usize = 400_000;
-const PARTS_OF_PATCH: usize = 8;
 
 /// By how much the bound of what stands at a wall may exceed what was found, as a share of the tolerance.
 const WALL_GAP: f64 = 0.1;
@@ -59,10 +57,6 @@ pub(super) fn of(
                 AnySurface::Bicubic(surface) => excess(surface, *allowance_mm, job, motions, budget)?,
                 AnySurface::Rational(surface) => excess(surface, *allowance_mm, job, motions, budget)?,
                 AnySurface::HighDegree(surface) => excess(surface, *allowance_mm, job, motions, budget)?,
-                AnySurface::Triangles(surface) => match facing_up(surface) {
-                    Some(part) => excess(&part, *allowance_mm, job, motions, budget)?,
-                    None => None,
-                },
             };
             find(excess, job, motions, findings);
             Ok(Left { excess, ..Left::default() })
@@ -175,7 +169,7 @@ fn excess<P: Patch>(
         target_mm: None,
         grain_mm,
         smallest_mm: SMALLEST_SHARE * gap_mm,
-        part_limit: PARTS.max(PARTS_OF_PATCH * surface.patches().len()),
+        part_limit: PARTS,
     };
     let left = uncut::left(surface, &swept, &All, wanted, budget)?.reached;
     Ok(left.bound_mm.is_finite().then_some(Worst {

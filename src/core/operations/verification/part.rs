@@ -55,7 +55,6 @@ impl PartProof {
                     AnySurface::Bicubic(surface) => Box::new(GougeProof::new(surface, cutter, by)),
                     AnySurface::Rational(surface) => Box::new(GougeProof::new(surface, cutter, by)),
                     AnySurface::HighDegree(surface) => Box::new(GougeProof::new(surface, cutter, by)),
-                    AnySurface::Triangles(surface) => Box::new(GougeProof::new(surface, cutter, by)),
                 }
             }
             Self::Pocket { walls, floor_mm } => {

@@ -1,6 +1,6 @@
 //! An answer in three dimensions: a binary glTF file with part, stock, cutter and path.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 use super::{Cut, Outcome, Product, sheet};
 use crate::http::dto::setup::Setup;
@@ -8,9 +8,7 @@ use crate::http::error::ApiError;
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::facets::Facets;
 use toolpathd_core::geometry::mesh::Mesh;
-use toolpathd_core::geometry::surface::BezierSurface;
 use toolpathd_core::geometry::surface::any_surface::AnySurface;
-use toolpathd_core::geometry::surface::patch::FlatPatch;
 use toolpathd_plot::gltf::{CHORD_MM, Content, Stock, Triangles, glb};
 use toolpathd_plot::stl::stl;
 use toolpathd_post::PassNote;
@@ -34,9 +32,6 @@ pub struct Solids {
 impl Solids {
     /// A surface as a part.
     pub fn of_surface(surface: &AnySurface) -> Self {
-        if let AnySurface::Triangles(triangles) = surface {
-            return Self { part: Some(flat(triangles)), part_chord_mm: Some(0.0), stock: None };
-        }
         let Facets { mesh, chord_mm } = surface.facets(PART_CHORD_MM, MOST_CELLS);
         Self { part: Some(triangles(&mesh)), part_chord_mm: chord_mm, stock: None }
     }
@@ -85,20 +80,6 @@ pub fn triangles_file<R, P: Product>(outcome: &Outcome<R, P>, budget: &Budget) -
 fn name(note: &PassNote) -> (usize, String) {
     let PassNote { pass, label, text, z_mm: _ } = note;
     (*pass, format!("{label} {text}").to_lowercase())
-}
-
-/// Triangles with the normals of their planes.
-fn flat(triangles: &BezierSurface<FlatPatch>) -> Triangles {
-    let mut flat = Triangles::default();
-    for patch in triangles.patches() {
-        let [_, a, b, c] = patch.corners;
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::z);
-        let first = u32::try_from(flat.points.len()).unwrap_or(u32::MAX);
-        flat.points.extend([a, b, c].map(Point3::from));
-        flat.normals.extend([normal; 3]);
-        flat.triangles.push([first, first + 1, first + 2]);
-    }
-    flat
 }
 
 fn triangles(mesh: &Mesh) -> Triangles {

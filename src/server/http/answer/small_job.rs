@@ -178,8 +178,7 @@ fn extent(source: &Source) -> Option<Extent> {
             let points = &mut nets.iter().flatten().flatten().flatten();
             of(nets.len(), nets.first().map_or(0, Vec::len), points)
         }
-        // A mesh comes in a file, whose job is never small.
-        Source::ParallelSweep(_) | Source::NormalSweep(_) | Source::Ruled(_) | Source::Mesh(_) => None,
+        Source::ParallelSweep(_) | Source::NormalSweep(_) | Source::Ruled(_) => None,
     }
 }
 

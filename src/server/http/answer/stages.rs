@@ -41,33 +41,27 @@ impl Stages {
 
     /// The same error; where the deadline passed, with the stage that took most of the time.
     pub fn explain(&self, error: ApiError) -> ApiError {
-        self.explain_at(Instant::now(), error)
-    }
-
-    fn explain_at(&self, now: Instant, error: ApiError) -> ApiError {
         if error.code() != Code::DeadlinePassed {
             return error;
         }
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        seen.settle(now);
+        seen.settle(Instant::now());
         let Some((last, _, share)) = seen.current else { return error };
         match seen.times.iter().max_by_key(|(_, time)| *time) {
             Some((longest, time)) => error.saying(too_slow(longest, *time, last, share)),
             None => error,
         }
     }
-
-    fn see(&self, now: Instant, stage: &'static str, done: usize, total: usize) {
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        seen.settle(now);
-        let share = if total == 0 { 0.0 } else { (done as f64 / total as f64).min(1.0) };
-        seen.current = Some((stage, now, share));
-    }
 }
 
 impl ProgressSink for Stages {
     fn progress(&self, stage: &'static str, done: usize, total: usize) {
-        self.see(Instant::now(), stage, done, total);
+        let now = Instant::now();
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.settle(now);
+        let share = if total == 0 { 0.0 } else { (done as f64 / total as f64).min(1.0) };
+        seen.current = Some((stage, now, share));
+        drop(seen);
         if let Some(listener) = &self.listener {
             listener.progress(stage, done, total);
         }
@@ -80,12 +74,12 @@ mod tests {
 
     #[test]
     fn a_passed_deadline_names_the_longest_stage_and_advice() {
-        let (stages, begin) = (Stages::default(), Instant::now());
-        let after = |seconds: u64| begin + Duration::from_secs(seconds);
-        stages.see(begin, "sections", 0, 10);
-        stages.see(after(5), "certificate", 3, 12);
+        let stages = Stages::default();
+        stages.progress("sections", 0, 10);
+        std::thread::sleep(Duration::from_millis(5));
+        stages.progress("certificate", 3, 12);
         let late = ApiError::new(Code::DeadlinePassed, "late");
-        let told = stages.explain_at(after(6), late.clone());
+        let told = stages.explain(late.clone());
         assert!(
             told.detail().contains("`sections`") && told.detail().contains("stepover"),
             "{}",

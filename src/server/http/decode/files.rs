@@ -17,9 +17,6 @@ use toolpathd_core::budget::{Budget, Stopped};
 /// The most references to files in a request.
 const MOST_REFERENCES: usize = 64;
 
-/// The most characters of a name by which a request refers to a file.
-const LONGEST_NAME: usize = 200;
-
 /// What was sent at one place and is judged at another, because files were put in the place of references.
 #[derive(Debug, Clone)]
 struct Moved {
@@ -144,11 +141,6 @@ impl<'a> FileReading<'a> {
                 self.n_references
             );
             self.violations.add(at, FieldCode::LimitExceeded, detail);
-            return None;
-        }
-        if name.chars().count() > LONGEST_NAME {
-            let detail = format!("a name has at most {LONGEST_NAME} characters");
-            self.violations.add(&at.field("name"), FieldCode::LimitExceeded, detail);
             return None;
         }
         let position = self.files.position(name);

@@ -4,7 +4,6 @@ use axum::body::Bytes;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::check::Violations;
 use crate::config::Limits;
 use crate::http::decode::files::FileReading;
 use crate::http::error::FieldCode;
@@ -14,7 +13,6 @@ use toolpathd_part::dxf::DxfOptions;
 use toolpathd_part::fault::Unreadable;
 use toolpathd_part::format::Format;
 use toolpathd_part::left_out::LeftOut;
-use toolpathd_part::mesh::MeshFormat;
 use toolpathd_part::step::Model;
 use toolpathd_part::unit::Unit;
 
@@ -130,17 +128,6 @@ pub fn units_overridden(name: &str, stated: Unit, sent: Unit) -> String {
     format!("`{name}` states {}, and is read in {}, as `units` says", words(stated), words(sent))
 }
 
-/// The most characters of the name of a layer.
-const LONGEST_LAYER: usize = 255;
-
-/// Refuses a name of a layer that is too long.
-pub fn check_layer(at: &Pointer, layer: Option<&str>, violations: &mut Violations) {
-    if layer.is_some_and(|layer| layer.chars().count() > LONGEST_LAYER) {
-        let detail = format!("the name of a layer has at most {LONGEST_LAYER} characters");
-        violations.add(at, FieldCode::LimitExceeded, detail);
-    }
-}
-
 /// Most curves of a drawing for each vertex that an outline may have.
 const CURVES_FOR_EACH_VERTEX: usize = 4;
 
@@ -180,10 +167,6 @@ pub fn format_name(format: Format) -> &'static str {
         Format::Dxf => "DXF",
         Format::Points => "a text of points",
         Format::Step => "STEP",
-        Format::Mesh(MeshFormat::Stl) => "STL",
-        Format::Mesh(MeshFormat::Obj) => "OBJ",
-        Format::Mesh(MeshFormat::Ply) => "PLY",
-        Format::Mesh(MeshFormat::ThreeMf) => "3MF",
         Format::Other(name) => name,
     }
 }

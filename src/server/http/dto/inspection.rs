@@ -1,7 +1,5 @@
 //! The request to inspect a file, and the report of what is in it.
 
-mod format;
-mod mesh;
 mod model;
 
 use axum::body::Bytes;
@@ -9,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::check::Violations;
-use super::file::{FileUnits, Reference, check_layer};
+use super::file::{FileUnits, Reference};
 use super::meta::{self, Meta, MetaTexts};
 use super::outline::{CURVE_TOLERANCE_MM, CURVE_TOLERANCES, GAP_MM, GAPS};
 use crate::config::Limits;
@@ -17,8 +15,6 @@ use crate::http::decode::files::FileReading;
 use crate::http::decode::{IntoJob, object};
 use crate::http::error::{ApiError, FieldCode};
 use crate::http::pointer::Pointer;
-pub use format::FileFormat;
-pub use mesh::MeshReport;
 pub use model::ModelContents;
 use toolpathd_part::drawing::{Branch, Drawing, Loop, OpenChain};
 use toolpathd_part::fault::Place;
@@ -42,8 +38,7 @@ pub struct InspectRequest {
     /// Largest gap between the ends of curves of a drawing that counts as a joint, in mm.
     #[schema(minimum = 0, maximum = 10, default = 0.01)]
     gap_mm: Option<f64>,
-    /// Largest distance of splines and ellipses from the arcs in their place, in a drawing or in the outlines
-    /// of level faces, in mm.
+    /// Largest distance of splines and ellipses of a drawing from the arcs in their place, in mm.
     #[schema(minimum = 0.000_01, maximum = 1, default = 0.001)]
     curve_tolerance_mm: Option<f64>,
     /// Up to 32 names with texts of your choice, for example part id, operation and work order. The answer
@@ -102,7 +97,6 @@ impl IntoJob for InspectRequest {
         let Self { file: _, units, layer, gap_mm, curve_tolerance_mm, meta, found } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
-        check_layer(&root.field("layer"), layer.as_deref(), &mut violations);
         violations.optional(&root.field("gap_mm"), gap_mm, GAPS, "mm");
         violations.optional(&root.field("curve_tolerance_mm"), curve_tolerance_mm, CURVE_TOLERANCES, "mm");
         meta::check(meta.as_ref(), &mut violations);
@@ -143,14 +137,20 @@ pub struct InspectReport {
     /// The solids and sheets. Present with `step`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<ModelContents>,
-    /// The triangles. Present with `stl`, `obj`, `ply` and `3mf`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mesh: Option<MeshReport>,
     /// The points. Present with `points`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<PointsReport>,
     /// What was left out of the file, and why; an empty list where nothing was.
     pub left_out: Vec<LeftOutReport>,
+}
+
+/// A format of files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FileFormat {
+    Dxf,
+    Points,
+    Step,
 }
 
 /// A box along the axes, in mm.
@@ -278,6 +278,10 @@ impl From<&Drawing> for DrawingReport {
 
 impl From<&Loop> for LoopReport {
     fn from(own: &Loop) -> Self {
+        let vertex = |&[x, y, bulge]: &[f64; 3]| match bulge {
+            0.0 => LoopVertex::Plain([x, y]),
+            bulge => LoopVertex::Bulging([x, y, bulge]),
+        };
         Self {
             kind: if own.depth.is_multiple_of(2) { LoopKind::Wall } else { LoopKind::Island },
             layer: own.layer.clone(),
@@ -285,16 +289,7 @@ impl From<&Loop> for LoopReport {
             parent: own.parent,
             area_mm2: own.area_mm2,
             length_mm: own.length_mm,
-            vertices: own.vertices.iter().map(LoopVertex::from).collect(),
-        }
-    }
-}
-
-impl From<&[f64; 3]> for LoopVertex {
-    fn from(&[x, y, bulge]: &[f64; 3]) -> Self {
-        match bulge {
-            0.0 => Self::Plain([x, y]),
-            bulge => Self::Bulging([x, y, bulge]),
+            vertices: own.vertices.iter().map(vertex).collect(),
         }
     }
 }

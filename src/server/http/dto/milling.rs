@@ -172,7 +172,6 @@ impl IntoJob for MillRequest {
         let (low, high) = surface.bounds();
         let extent = [high.x - low.x, high.y - low.y];
         check_size(&root.field("surface"), extent, &tool, &mut violations);
-        let is_union = matches!(strategy, Strategy::WireUnion(_));
         let sections = strategy.convert(&root.field("strategy"), extent, limits.sections, &mut violations);
         if let Some(sections) = &sections {
             sections.check_boundary(&root.field("boundary"), boundary, &mut violations);
@@ -180,18 +179,6 @@ impl IntoJob for MillRequest {
                 sections.check_absent(&root.field(name), is_given, &mut violations);
             }
             sections.check_scallops(&root.field("strategy"), &tool, &mut violations);
-        }
-        if surface.is_mesh() {
-            for (name, is_other, advice) in [
-                ("boundary", boundary != Boundary::On, "the passes end at the outline: send `boundary: on`"),
-                ("engine", engine != Engine::Contact, "send `engine: contact`"),
-                ("strategy", is_union, "send `cl_cartesian`"),
-            ] {
-                if is_other {
-                    let detail = format!("the surface is a mesh of triangles: {advice}");
-                    violations.add(&root.field(name), FieldCode::Conflict, detail);
-                }
-            }
         }
         let range = Range { min: Tolerance::MIN_MM, max: Tolerance::MAX_MM };
         violations.number(&root.field("tolerance_mm"), tolerance_mm, range, "mm");

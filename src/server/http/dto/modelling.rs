@@ -93,8 +93,7 @@ impl IntoJob for ModelRequest {
         let Self { surface, wires, patches, meta } = self;
         let root = Pointer::root();
         let mut violations = Violations::default();
-        let advice = "send it to `/v1/parts/inspect`";
-        surface.check_without_meshes(&root.field("surface"), limits, advice, &mut violations);
+        surface.check(&root.field("surface"), limits, &mut violations);
         let wires = wires.map(|wires| wires.convert(&root.field("wires"), limits, &mut violations));
         meta::check(meta.as_ref(), &mut violations);
         violations.result()?;
@@ -216,8 +215,6 @@ fn write_patches<S: Serializer>(surface: &Option<AnySurface>, serializer: S) -> 
         Some(AnySurface::Bicubic(surface)) => serializer.collect_seq(rows(surface)),
         Some(AnySurface::Rational(surface)) => serializer.collect_seq(rows(surface)),
         Some(AnySurface::HighDegree(surface)) => serializer.collect_seq(rows(surface)),
-        // A mesh is not modelled: its request is refused.
-        Some(AnySurface::Triangles(_)) => serializer.serialize_none(),
     }
 }
 

@@ -8,11 +8,8 @@ mod normal_sweep;
 pub mod nurbs;
 mod parallel_sweep;
 mod point_grid;
-mod points;
 mod ruled;
 mod section_text;
-
-use std::sync::Arc;
 
 use nalgebra::Point3;
 
@@ -26,13 +23,11 @@ use crate::http::messages::Warning;
 use crate::http::pointer::Pointer;
 pub use bezier_patches::BezierPatches;
 pub use ferguson::Ferguson;
-use file::Found;
 pub use file::SurfaceFile;
 pub use normal_sweep::NormalSweep;
 pub use nurbs::Nurbs;
 pub use parallel_sweep::ParallelSweep;
 pub use point_grid::PointGrid;
-pub use points::Points;
 pub use ruled::Ruled;
 pub use section_text::{Room, SectionText};
 use toolpathd_core::geometry::surface::source::Source;
@@ -49,49 +44,18 @@ by_kind! {
         "parallel_sweep" => ParallelSweep(ParallelSweep),
         "normal_sweep" => NormalSweep(NormalSweep),
         "ruled" => Ruled(Ruled),
-        "points" => Points(Points),
         "file" => File(SurfaceFile),
     }
 }
 
 impl Surface {
-    /// Puts the surface that a file holds in the place of the reference to the file, and the surface near
-    /// points in the place of the points.
+    /// Puts the surface that a file holds in the place of the reference to the file.
     pub fn read_file(&mut self, at: &Pointer, reading: &mut FileReading) {
-        if let Self::Points(points) = self {
-            if let Some(nurbs) = points.fitted(at, reading) {
-                *self = Self::Nurbs(nurbs);
-            }
-            return;
-        }
-        let Self::File(file) = self else { return };
-        match file.found(at, reading) {
-            Some(Found::Surface(surface)) => {
-                reading.moved(at.clone(), at.clone(), Some(file.file_name()));
-                *self = surface;
-            }
-            Some(Found::Mesh(mesh)) => file.keep(mesh),
-            None => {}
-        }
-    }
-
-    /// Whether the surface is a mesh of triangles.
-    pub fn is_mesh(&self) -> bool {
-        matches!(self, Self::File(file) if file.mesh().is_some())
-    }
-
-    /// As [`Self::check`], for jobs that do not take a mesh of triangles.
-    pub fn check_without_meshes(
-        &self,
-        at: &Pointer,
-        limits: &Limits,
-        advice: &str,
-        violations: &mut Violations,
-    ) {
-        self.check(at, limits, violations);
-        if self.is_mesh() {
-            let detail = format!("a mesh of triangles is not taken here: {advice}");
-            violations.add(at, FieldCode::Unsupported, detail);
+        if let Self::File(file) = self
+            && let Some(surface) = file.surface(at, reading)
+        {
+            reading.moved(at.clone(), at.clone(), Some(file.file_name()));
+            *self = surface;
         }
     }
 
@@ -113,8 +77,6 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.check(at, limits, violations),
             Self::NormalSweep(sweep) => sweep.check(at, limits, violations),
             Self::Ruled(ruled) => ruled.check(at, limits, violations),
-            Self::Points(points) => points.check(at, limits, violations),
-            Self::File(file) if file.mesh().is_some() => {}
             Self::File(_) => {
                 violations.add(at, FieldCode::Unsupported, "no file is read here: send the surface itself");
             }
@@ -132,8 +94,7 @@ impl Surface {
             Self::ParallelSweep(sweep) => sweep.bounds(),
             Self::NormalSweep(sweep) => sweep.bounds(),
             Self::Ruled(ruled) => ruled.bounds(),
-            Self::Points(points) => bounds(points.points()),
-            Self::File(file) => file.bounds().unwrap_or_else(|| bounds(std::iter::empty())),
+            Self::File(_) => bounds(std::iter::empty()),
         }
     }
 }
@@ -157,13 +118,8 @@ impl From<Surface> for Source {
             Surface::ParallelSweep(sweep) => Self::ParallelSweep(sweep.into()),
             Surface::NormalSweep(sweep) => Self::NormalSweep(sweep.into()),
             Surface::Ruled(ruled) => Self::Ruled(ruled.into()),
-            Surface::File(file) => match file.mesh() {
-                Some(mesh) => Self::Mesh(Arc::clone(mesh)),
-                // Checks refuse a file that was not read.
-                None => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
-            },
-            // Checks refuse points near which no surface was found.
-            Surface::Points(_) => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
+            // Checks refuse a file that was not read.
+            Surface::File(_) => Self::PointGrid(PointGrid::of_points(Vec::new()).into()),
         }
     }
 }

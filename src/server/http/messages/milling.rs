@@ -45,9 +45,6 @@ impl From<Error> for ApiError {
                 Self::new(Code::NotSmooth, format!("{fact}; use the boundary `on` or `inside`"))
                     .blaming(&member("/boundary"), FieldCode::Unsupported)
             }
-            Error::NotForMeshes => {
-                Self::new(Code::InvalidRequest, fact).blaming(&member("/strategy"), FieldCode::Unsupported)
-            }
             Error::Overhang { at } => {
                 let advice = "the engine `offset_section` cannot cut it; use the engine `contact`";
                 Self::new(Code::Overhang, format!("{fact}; {advice}")).at(at.into())
@@ -158,7 +155,6 @@ mod tests {
             (Error::NoBall, Code::InvalidRequest, &["#/tool/shape"]),
             (Error::NotSmooth(NotSmooth::Edge { at, angle_deg: 45.0 }), Code::NotSmooth, &[]),
             (Error::NoWayPast, Code::NotSmooth, &["#/boundary"]),
-            (Error::NotForMeshes, Code::InvalidRequest, &["#/strategy"]),
             (
                 Error::NotSmooth(NotSmooth::Gap { at, gap_mm: 1.0, patches: [[0, 0], [0, 1]] }),
                 Code::NotSmooth,

@@ -139,14 +139,6 @@ pub enum WarningCode {
     OpenCurves,
     /// Points in any order are put into rows.
     PointsGridded,
-    /// The surface is a mesh of triangles, and the figures are about them.
-    SurfaceOfTriangles,
-    /// The surface runs near points, with the stated errors.
-    PointsFitted,
-    /// Points off the surface of their neighbours, or without a value, are left out.
-    OutliersLeftOut,
-    /// Parts of the surface have no points near.
-    SurfaceExtrapolated,
     /// Whether centres are incremental or absolute was found from the arcs.
     CentersAssumed,
     /// A setting of the control decides what a word means, and one of its values is taken.

@@ -23,7 +23,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
     "arcs-fit": ["contour", "helix", "probed-circle", "section", "sine"],
     "curves-interpolate": ["band-of-x", "in-band", "nurbs", "parabolas", "profile", "sine", "spline"],
     "five-axis-smooth": ["blade", "corner", "program", "rotation", "table", "wave"],
-    "parts-inspect": ["bowl", "bracket", "plate"],
+    "parts-inspect": ["bowl", "plate"],
     "pockets-plan": [
         "arcs", "boss", "circle", "comb", "corner-island", "dome", "drawing", "dumbbell", "fillets-above-radius", "fillets-below-radius",
         "hundred-islands", "island", "islands-on-walls", "l-shape", "narrow-gaps", "noisy-outline", "open-slot",
@@ -33,7 +33,7 @@ const REQUESTS: Texts = texts!("examples", "json", {
     "programs-write": ["contour", "holes", "inch-fanuc", "leaning", "one-line", "parabolas", "three-operations"],
     "programs-verify": ["clamp", "faults", "pocket"],
     "surfaces-drop": ["bowl", "bull-nose"],
-    "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "job-order", "measured", "one-pass", "scanned", "wire-union"],
+    "surfaces-mill": ["bezier-patches", "cylinder", "die", "freeform", "job-order", "measured", "one-pass", "wire-union"],
     "surfaces-model": ["cylinder", "ferguson", "normal-sweep", "parallel-sweep", "ruled", "sloping-plane"],
 });
 
@@ -42,7 +42,6 @@ const ANSWERS: Texts = texts!("answers", "json", {
     "arcs-fit": ["contour"],
     "curves-interpolate": ["nurbs"],
     "five-axis-smooth": ["corner", "table"],
-    "parts-inspect": ["bracket"],
     "pockets-plan": ["circle"],
     "programs-write": ["one-line"],
     "surfaces-drop": ["bull-nose"],

@@ -24,8 +24,6 @@ pub struct ServerLimits {
     body_bytes: usize,
     /// Largest number of points of one surface.
     surface_points: usize,
-    /// Largest number of triangles of one mesh in a file.
-    mesh_triangles: usize,
     /// Largest number of points of one curve.
     curve_points: usize,
     /// Largest number of elements of one interpolated curve.
@@ -94,7 +92,6 @@ impl From<&App> for ServerLimits {
         let Limits {
             body_bytes,
             surface_points,
-            mesh_triangles,
             curve_points,
             elements,
             drop_points,
@@ -109,7 +106,6 @@ impl From<&App> for ServerLimits {
         Self {
             body_bytes,
             surface_points,
-            mesh_triangles,
             curve_points,
             elements,
             drop_points,

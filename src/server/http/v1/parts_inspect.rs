@@ -1,7 +1,5 @@
 //! `POST /v1/parts/inspect`: tells what is in a file of a part.
 
-mod mesh;
-
 use axum::extract::State;
 use axum::response::Response;
 use nalgebra::Point3;
@@ -11,7 +9,7 @@ use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::file::{drawing_options, format_name, units_overridden};
 use crate::http::dto::inspection::{
-    DrawingReport, FileBox, FileFormat, InspectReport, InspectRequest, Inspection, LeftOutReport, MeshReport,
+    DrawingReport, FileBox, FileFormat, InspectReport, InspectRequest, Inspection, LeftOutReport,
     ModelContents, PointsReport,
 };
 use crate::http::error::{ApiError, FieldCode, FieldError};
@@ -30,11 +28,9 @@ use toolpathd_part::dxf;
 use toolpathd_part::fault::Unreadable;
 use toolpathd_part::format::Format;
 use toolpathd_part::left_out::LeftOut;
-use toolpathd_part::mesh::MeshFile;
 use toolpathd_part::points::grid::{NoGrid, grid};
 use toolpathd_part::points::{self, PointText};
 use toolpathd_part::step;
-use toolpathd_part::step::outline::{Outlines, outlines};
 use toolpathd_part::unit::Unit;
 use toolpathd_plot::solid;
 
@@ -47,11 +43,10 @@ const LARGEST_TURN: f64 = 0.1;
 /// Tell what is in a file.
 ///
 /// Send one file as `multipart/form-data`, with or without a part `job` in JSON, or in `base64`. The answer
-/// tells format and unit, the loops of a drawing (DXF) with their layers, areas and nesting, the bodies,
-/// faces and holes of a solid (STEP) with the outlines of its level faces, the area, the volume and the open
-/// edges of a mesh (STL, OBJ, PLY, 3MF), or how points in a text are written and what grid they make, and
-/// lists whatever was left out with its reason. What it tells can be sent on: a loop by its number as `wall`
-/// of a region with `kind: file`, or its vertices, or those of an outline, as `boundary`.
+/// tells format and unit, the loops of a drawing (DXF) with their layers, areas and nesting, or how points in
+/// a text are written and what grid they make, and lists whatever was left out with its reason. What it tells
+/// can be sent on: a loop by its number as `wall` of a region with `kind: file`, or its vertices as
+/// `boundary`.
 #[utoipa::path(post, path = "/v1/parts/inspect", operation_id = "inspectPart", tag = "parts",
     params(Wanted<Figures>), request_body = InspectRequest,
     responses((status = 200, description = "What is in the file, or a picture.", body = InspectAnswer)))]
@@ -68,11 +63,6 @@ enum Shape {
     /// Closed loops of lines and arcs; an outline within an island is filled again.
     Loops(Vec<Vec<Segment>>),
     Grid(PointGrid),
-    /// Triangles, and the length of their unit in mm.
-    Mesh {
-        mesh: MeshFile,
-        mm: f64,
-    },
     Nothing,
 }
 
@@ -92,7 +82,6 @@ impl Product for Shape {
                 let surface = Source::PointGrid(grid.clone()).surface();
                 Ok(surface.map(|surface| Solids::of_surface(&surface)).unwrap_or_default())
             }
-            Self::Mesh { mesh, mm } => mesh::solids(mesh, *mm, budget),
             Self::Nothing => Ok(Solids::default()),
         }
     }
@@ -120,7 +109,6 @@ struct Found {
     model: Option<ModelContents>,
     bounds: Option<FileBox>,
     drawing: Option<DrawingReport>,
-    mesh: Option<MeshReport>,
     points: Option<PointsReport>,
     left_out: Vec<LeftOut>,
     shape: Shape,
@@ -132,13 +120,9 @@ fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, Sh
         Format::Dxf => drawing(&job, budget)?,
         Format::Points => point_text(&job, budget)?,
         Format::Step => model(&job, budget)?,
-        Format::Mesh(format) => mesh::found(&job, format, budget)?,
         other => {
-            let detail = format!(
-                "`{}` is {}; send STEP, DXF, STL, OBJ, PLY, 3MF or a text of points",
-                job.name,
-                format_name(other)
-            );
+            let detail =
+                format!("`{}` is {}; send STEP, DXF or a text of points", job.name, format_name(other));
             return Err(blamed(FieldCode::Unsupported, detail));
         }
     };
@@ -156,12 +140,12 @@ fn inspect(job: Inspection, budget: &Budget) -> Result<Outcome<InspectReport, Sh
         let detail = units_overridden(&job.name, stated, sent);
         warnings.push(Warning::new(WarningCode::UnitsOverridden, detail));
     }
-    let Found { format, bounds, drawing, model, mesh, points, left_out, shape, picture, .. } = found;
+    let Found { format, bounds, drawing, model, points, left_out, shape, picture, .. } = found;
     let left_out = left_out.iter().map(LeftOutReport::from).collect();
     Ok(Outcome {
         meta: job.meta,
         warnings,
-        report: InspectReport { format, units, bounds, drawing, model, mesh, points, left_out },
+        report: InspectReport { format, units, bounds, drawing, model, points, left_out },
         product: shape,
         drawing: Box::new(move || picture.clone()),
     })
@@ -184,19 +168,7 @@ fn drawing(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     let Drawing { unit, left_out, .. } = drawing;
     let drawing = Some(report);
     let (format, has_unit) = (FileFormat::Dxf, unit.is_some());
-    Ok(Found {
-        format,
-        unit,
-        has_unit,
-        bounds,
-        drawing,
-        model: None,
-        mesh: None,
-        points: None,
-        left_out,
-        shape,
-        picture,
-    })
+    Ok(Found { format, unit, has_unit, bounds, drawing, model: None, points: None, left_out, shape, picture })
 }
 
 fn point_text(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
@@ -230,19 +202,7 @@ fn point_text(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     let PointText { unit, left_out, .. } = text;
     let (format, points) = (FileFormat::Points, Some(report));
     let has_unit = unit.is_some();
-    Ok(Found {
-        format,
-        unit,
-        has_unit,
-        bounds,
-        drawing: None,
-        model: None,
-        mesh: None,
-        points,
-        left_out,
-        shape,
-        picture,
-    })
+    Ok(Found { format, unit, has_unit, bounds, drawing: None, model: None, points, left_out, shape, picture })
 }
 
 /// Points along an edge in a picture.
@@ -255,9 +215,8 @@ fn model(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
     for edge in model.faces.iter().flat_map(|face| &face.loops).flat_map(|own| &own.edges) {
         budget.check()?;
         let at = |k: usize| edge.from + (edge.to - edge.from) * k as f64 / POINTS_OF_EDGE as f64;
-        picture.edges.push((0..=POINTS_OF_EDGE).map(|k| edge.curve.point(at(k)) * mm).collect());
+        picture.solids.push((0..=POINTS_OF_EDGE).map(|k| edge.curve.point(at(k)) * mm).collect());
     }
-    let Outlines { by_level, left_out } = outlines(&model, job.curve_tolerance_mm / mm, budget)?;
     let corner = |corner: Point3<f64>| <[f64; 3]>::from(corner * mm);
     let bounds = model.bounds_mm.map(|[min, max]| FileBox { min: corner(min), max: corner(max) });
     Ok(Found {
@@ -266,10 +225,9 @@ fn model(job: &Inspection, budget: &Budget) -> Result<Found, ApiError> {
         has_unit: model.is_unit_stated,
         bounds,
         drawing: None,
-        model: Some(ModelContents::new(&model, &by_level, mm)),
-        mesh: None,
+        model: Some(ModelContents::new(&model, mm)),
         points: None,
-        left_out: [model.left_out, left_out].concat(),
+        left_out: model.left_out,
         shape: Shape::Nothing,
         picture,
     })

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use axum::extract::State;
 use axum::response::Response;
 
-use crate::http::answer::surface_drawing::sketched;
 use crate::http::answer::{Computing, OnSurface, Outcome, answer};
 use crate::http::dto::answer::{Answer, NoMembers};
 use crate::http::dto::dropping::{DropJob, DropRequest};
@@ -14,6 +13,8 @@ use crate::http::error::ApiError;
 use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Figures, Wanted};
 use toolpathd_core::budget::Budget;
+use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::machining::wire_model::{self, Wire};
 use toolpathd_core::operations::cutter_location::{self, Report};
 use toolpathd_plot::Drawing;
 
@@ -47,4 +48,9 @@ fn locate(job: DropJob, budget: &Budget) -> Result<Outcome<Report, OnSurface>, A
         product: OnSurface(Box::new(move || shown.surface().ok())),
         drawing: Box::new(move || Drawing::of_surface(sketched(&surface))),
     })
+}
+
+/// A few curves on the surface.
+fn sketched(surface: &Source) -> Vec<Wire> {
+    surface.surface().map(|surface| wire_model::sketch(&surface)).unwrap_or_default()
 }

@@ -7,7 +7,6 @@ use axum::extract::State;
 use axum::response::Response;
 
 use crate::http::answer::model::Solids;
-use crate::http::answer::surface_drawing::relief;
 use crate::http::answer::{Computing, Cut, Outcome, Product, answer};
 use crate::http::dto::answer::{Answer, PathMembers};
 use crate::http::dto::milling::MillRequest;
@@ -18,12 +17,14 @@ use crate::http::request::body::JobBody;
 use crate::http::request::negotiation::{Form, Toolpaths, Wanted};
 use toolpathd_core::budget::Budget;
 use toolpathd_core::geometry::surface::source::Source;
+use toolpathd_core::machining::wire_model;
 use toolpathd_core::operations::surface_milling::{self, Job, Plan, Report};
 use toolpathd_core::toolpath::Toolpath;
 use toolpathd_core::toolpath::measure::{Bounds, measure};
 use toolpathd_core::toolpath::program::Blank;
 use toolpathd_core::toolpath::tool_body::Depths;
 use toolpathd_core::toolpath::units::{FeedRate, rounded_up};
+use toolpathd_plot::Drawing;
 use toolpathd_plot::gltf::Stock;
 use toolpathd_plot::solid;
 
@@ -106,7 +107,7 @@ fn mill(
             surface,
         },
         report,
-        drawing: Box::new(move || relief(&of_drawing)),
+        drawing: Box::new(move || drawing(&of_drawing)),
     })
 }
 
@@ -118,6 +119,12 @@ fn depths(job: &Job, toolpath: &Toolpath, budget: &Budget) -> Result<Depths, Api
         _ => None,
     };
     Ok(Depths { whole_mm: surface_milling::highest_mm(job, budget)? - min.z, at_once_mm })
+}
+
+/// The milled surface as a shaded relief, with a few curves on it.
+fn drawing(surface: &Source) -> Drawing {
+    let draw = |surface| Drawing::of_relief(&surface, wire_model::sketch(&surface));
+    surface.surface().map(draw).unwrap_or_default()
 }
 
 /// The line with the proved figures for the program's header. The figures are rounded up.

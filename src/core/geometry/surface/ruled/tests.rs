@@ -30,7 +30,6 @@ fn joints(surface: &AnySurface) -> joints::Joints {
         AnySurface::Bicubic(surface) => joints::examine(surface, &all, &Budget::unlimited()),
         AnySurface::Rational(surface) => joints::examine(surface, &all, &Budget::unlimited()),
         AnySurface::HighDegree(surface) => joints::examine(surface, &all, &Budget::unlimited()),
-        AnySurface::Triangles(surface) => joints::examine(surface, &all, &Budget::unlimited()),
     }
     .unwrap()
 }

@@ -30,7 +30,7 @@ use crate::http::pointer::Pointer;
 use toolpathd_core::budget::Budget;
 
 /// The most kinds of a union.
-const MOST_KINDS: usize = 9;
+const MOST_KINDS: usize = 7;
 
 /// The most elements of an array in a body: those of a row of a Bezier patch. More elements of the same type
 /// would only take time.

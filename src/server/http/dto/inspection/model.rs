@@ -1,14 +1,10 @@
 //! What is told of the solids of a file.
 
-mod outline;
-
 use nalgebra::Point3;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use self::outline::OutlineReport;
 use super::FileBox;
-use toolpathd_part::step::outline::Outline;
 use toolpathd_part::step::{Body, Face, Hole, LevelFaces, Model};
 
 /// The solids and sheets of a file, with their faces.
@@ -79,8 +75,7 @@ struct HoleReport {
     diameter_mm: f64,
     /// The length of its cylinder, in mm.
     depth_mm: f64,
-    /// Whether both ends are open. An end from which a narrower hole goes on is closed: a counterbore does
-    /// not go through.
+    /// Whether both ends are open.
     is_through: bool,
 }
 
@@ -95,21 +90,17 @@ struct LevelReport {
     faces: Vec<usize>,
     /// Their area, in mm2.
     area_mm2: f64,
-    /// Their outlines in plan. Faces of one body that share edges have one outline.
-    outlines: Vec<OutlineReport>,
 }
 
 impl ModelContents {
-    /// What a model holds, with the outlines of each level, and `mm` millimetres in each of its units of
-    /// length.
-    pub fn new(model: &Model, outlines: &[Vec<Outline>], mm: f64) -> Self {
-        let levels = model.levels.iter().zip(outlines);
+    /// What a model holds, with `mm` millimetres in each of its units of length.
+    pub fn new(model: &Model, mm: f64) -> Self {
         Self {
             schema: model.schema.clone(),
             bodies: model.bodies.iter().map(BodyReport::from).collect(),
             faces: model.faces.iter().map(|face| FaceReport::new(face, mm)).collect(),
             holes: model.holes.iter().map(|hole| HoleReport::new(hole, mm)).collect(),
-            levels: levels.map(|(level, outlines)| LevelReport::new(level, outlines, mm)).collect(),
+            levels: model.levels.iter().map(|level| LevelReport::new(level, mm)).collect(),
             area_mm2: model.faces.iter().map(|face| face.area_mm2).sum::<f64>() * mm * mm,
         }
     }
@@ -153,13 +144,12 @@ impl HoleReport {
 }
 
 impl LevelReport {
-    fn new(level: &LevelFaces, outlines: &[Outline], mm: f64) -> Self {
+    fn new(level: &LevelFaces, mm: f64) -> Self {
         Self {
             z_mm: level.height_mm * mm,
             is_up: level.is_up,
             faces: level.faces.clone(),
             area_mm2: level.area_mm2 * mm * mm,
-            outlines: outlines.iter().map(|outline| OutlineReport::new(outline, level.is_up, mm)).collect(),
         }
     }
 }

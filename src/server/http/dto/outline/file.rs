@@ -7,7 +7,7 @@ use super::{Outline, Vertex, WalledRegion};
 use crate::http::decode::files::FileReading;
 use crate::http::decode::tagged::Kind;
 use crate::http::dto::check::Range;
-use crate::http::dto::file::{FileUnits, Reference, check_layer, drawing_options, format_name};
+use crate::http::dto::file::{FileUnits, Reference, drawing_options, format_name};
 use crate::http::error::FieldCode;
 use crate::http::messages::WarningCode;
 use crate::http::pointer::Pointer;
@@ -100,7 +100,6 @@ impl RegionFile {
     pub fn regions(&self, at: &Pointer, reading: &mut FileReading) -> Option<Vec<WalledRegion>> {
         let violations = &mut reading.violations;
         let before = violations.total();
-        check_layer(&at.field("layer"), self.layer.as_deref(), violations);
         violations.optional(&at.field("gap_mm"), self.gap_mm, GAPS, "mm");
         violations.optional(&at.field("curve_tolerance_mm"), self.curve_tolerance_mm, CURVE_TOLERANCES, "mm");
         if violations.total() > before {

@@ -91,8 +91,7 @@ impl SentRelief {
                 None
             }
             (Some(surface), None) => {
-                let advice = "send the outlines as `region`, or measured `heights`";
-                surface.check_without_meshes(&root.field("surface"), limits, advice, violations);
+                surface.check(&root.field("surface"), limits, violations);
                 // A surface with violations cannot be converted; the caller stops at them.
                 (violations.total() == 0).then(|| core::Relief::Surface(surface.into()))
             }
